@@ -214,7 +214,7 @@ impl<const D: usize> UnfittedStokes<D> {
         let ball = SurfaceMotion {
             boundary: &self.boundary,
             geometry: self.positions[0].clone(),
-            begin: self.positions[0].clone(),
+            start: self.positions[0].clone(),
             end: Affine { slope: 0.0, predicted: self.positions[0].clone() },
             stage: None,
             velocity: SurfaceVelocity::Given(Box::new(|x| velocity(x, 0.0))),

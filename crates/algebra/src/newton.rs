@@ -93,7 +93,7 @@ pub struct NewtonReport {
 }
 
 impl NewtonReport {
-    /// Adds the counts and times of a failed solve, but not its histories.
+    /// Adds the counts and times of another solve, but not its histories.
     pub fn add_work(&mut self, other: &Self) {
         self.iterations += other.iterations;
         self.factorizations += other.factorizations;

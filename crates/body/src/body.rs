@@ -27,18 +27,18 @@ pub trait Body<const D: usize>: Send + Sync {
     }
 
     /// Returns the state at time zero.
-    fn start(&self) -> BodyState<D>;
+    fn initial(&self) -> BodyState<D>;
 
     /// Returns the positions of all vertices at which the background mesh is cut in a step. They are the positions at
     /// the start of the step, or extrapolated to its stage (generalised-α).
-    fn geometry(&self, begin: &BodyState<D>, time: &StepTime) -> Vec<Point<D>> {
-        begin.positions_by(&time.weights.extrapolated[0], self.reference())
+    fn geometry(&self, start: &BodyState<D>, time: &StepTime) -> Vec<Point<D>> {
+        start.positions_by(&time.weights.extrapolated[0], self.reference())
     }
 
-    /// Prepares the step `time` from the state `begin`, and registers the unknowns of the body in `layout`.
+    /// Prepares the step `time` from the state `start`, and registers the unknowns of the body in `layout`.
     fn step<'s>(
         &'s self,
-        begin: &'s BodyState<D>,
+        start: &'s BodyState<D>,
         time: &StepTime,
         layout: &mut BlockLayout,
     ) -> Box<dyn BodyStep<D> + 's>;

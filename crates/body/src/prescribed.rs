@@ -59,19 +59,19 @@ impl<const D: usize> Body<D> for PrescribedBody<D> {
         false
     }
 
-    fn start(&self) -> BodyState<D> {
+    fn initial(&self) -> BodyState<D> {
         self.state(0.0)
     }
 
-    fn geometry(&self, begin: &BodyState<D>, time: &StepTime) -> Vec<Point<D>> {
+    fn geometry(&self, start: &BodyState<D>, time: &StepTime) -> Vec<Point<D>> {
         if time.extrapolates() {
             self.state(time.geometry_time()).positions(&self.reference)
         } else {
-            begin.positions(&self.reference)
+            start.positions(&self.reference)
         }
     }
 
-    fn step<'s>(&'s self, begin: &'s BodyState<D>, time: &StepTime, _: &mut BlockLayout) -> Box<dyn BodyStep<D> + 's> {
+    fn step<'s>(&'s self, start: &'s BodyState<D>, time: &StepTime, _: &mut BlockLayout) -> Box<dyn BodyStep<D> + 's> {
         let (times, shifted) = ([time.geometry_time(), time.stage()], &time.weights.shifted[0]);
         let mut end = self.state(time.end);
         if time.weights.acceleration != Row::default() {
@@ -79,8 +79,8 @@ impl<const D: usize> Body<D> for PrescribedBody<D> {
         }
         let surface = SurfaceMotion {
             boundary: &self.boundary,
-            geometry: self.geometry(begin, time),
-            begin: begin.positions_by(shifted, &self.reference),
+            geometry: self.geometry(start, time),
+            start: start.positions_by(shifted, &self.reference),
             // The shifted positions at the end of this step are those at the start of the next step.
             end: Affine { slope: 0.0, predicted: end.positions_by(shifted, &self.reference) },
             stage: None,

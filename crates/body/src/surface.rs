@@ -9,14 +9,14 @@ use crate::{BodyState, StepTime};
 /// A surface in one step.
 ///
 /// The background mesh is cut at `geometry`. Contact acts at the shifted positions of [`algebra::time::Weights`]:
-/// `begin` at the start of the step, `end` at its end. The difference is the velocity times the length of the step.
+/// `start` at the start of the step, `end` at its end. The difference is the velocity times the length of the step.
 pub struct SurfaceMotion<'s, const D: usize> {
     /// The surface.
     pub boundary: &'s BoundaryMesh<D>,
     /// Positions of all vertices at the start of the step, or extrapolated to its stage (generalised-α).
     pub geometry: Vec<Point<D>>,
     /// Shifted positions of all vertices at the start.
-    pub begin: Vec<Point<D>>,
+    pub start: Vec<Point<D>>,
     /// Shifted positions of all vertices at the end. The slope is zero for a given motion.
     pub end: Affine<Point<D>>,
     /// Positions of all vertices at the stage, where the pressure of the fluid acts; `None` if it acts at `geometry`.
@@ -39,7 +39,7 @@ impl<'s, const D: usize> SurfaceMotion<'s, D> {
     pub fn of_field(
         boundary: &'s BoundaryMesh<D>,
         reference: &[Point<D>],
-        begin: &BodyState<D>,
+        start: &BodyState<D>,
         geometry: Vec<Point<D>>,
         time: &StepTime,
         field: FieldId,
@@ -48,8 +48,8 @@ impl<'s, const D: usize> SurfaceMotion<'s, D> {
         Self {
             boundary,
             geometry,
-            begin: begin.positions_by(shifted, reference),
-            end: Affine { slope: end.slope, predicted: begin.positions_by(end, reference) },
+            start: start.positions_by(shifted, reference),
+            end: Affine { slope: end.slope, predicted: start.positions_by(end, reference) },
             stage: None,
             velocity: SurfaceVelocity::Field(field),
         }

@@ -89,9 +89,9 @@ impl<const D: usize> ContactReport<D> {
             *on_master.entry(facet).or_default() += force;
         }
         let slave = sites.pair.slave;
-        report.slave_pressures = pressures(on_slave, Placed::new(slave.boundary, &slave.begin));
+        report.slave_pressures = pressures(on_slave, Placed::new(slave.boundary, &slave.start));
         if let Some(master) = sites.pair.master {
-            report.master_pressures = pressures(on_master, Placed::new(master.boundary, &master.begin));
+            report.master_pressures = pressures(on_master, Placed::new(master.boundary, &master.start));
         }
         report
     }

@@ -39,7 +39,7 @@ impl<'a, const D: usize> Positions<'a, D> {
     pub(crate) fn all(&self) -> Vec<Point<D>> {
         match self {
             Self::Fixed(positions) => positions.to_vec(),
-            Self::Moving { surface, .. } => (0..surface.begin.len()).map(|k| self.at(VertexId::new(k))).collect(),
+            Self::Moving { surface, .. } => (0..surface.start.len()).map(|k| self.at(VertexId::new(k))).collect(),
         }
     }
 }

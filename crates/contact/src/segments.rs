@@ -119,7 +119,8 @@ pub(crate) fn divide<const D: usize>(
 mod tests {
     use super::*;
 
-    /// Returns a facet of the slave over a square of master facets: every segment is over one of them, or over none.
+    /// Checks that every segment is over one master facet or none, and that the share over some is `over`. Returns the
+    /// number of segments.
     fn check<const D: usize>(slave: &[Point<D>; D], master: &[[Point<D>; D]], over: f64) -> usize {
         let segments = divide(slave, master.iter().copied());
         let share: f64 = segments.iter().map(|s| s.share).sum();
@@ -155,7 +156,7 @@ mod tests {
         assert_eq!(check(&[point(-0.3, 0.1), point(0.2, 0.1)], &master, 0.4), 2);
         assert_eq!(check(&[point(0.25, 0.1), point(0.4, 0.1)], &master, 1.0), 1, "over a facet exactly");
         let away = [point(0.6, 0.2), point(0.1, 0.1)];
-        assert_eq!(divide(&away, master.iter().copied()), [Segment::whole()], "it looks the other way");
+        assert_eq!(divide(&away, master.iter().copied()), [Segment::whole()], "the normals are equal");
     }
 
     #[test]

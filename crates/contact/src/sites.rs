@@ -153,8 +153,8 @@ impl<const D: usize> ContactItems<D> {
     /// least the offset of the law plus the relative motion in the step: a point without candidates has no traction.
     pub fn new(pair: &ContactPair<'_, D>, layout: &BlockLayout, reach: f64) -> Self {
         let &ContactPair { slave, facets, obstacle, master, .. } = pair;
-        let placed = Placed::new(slave.boundary, &slave.begin);
-        let positions = master.map_or(&[][..], |master| &master.begin);
+        let placed = Placed::new(slave.boundary, &slave.start);
+        let positions = master.map_or(&[][..], |master| &master.start);
         let mut items = Vec::new();
         let candidates = obstacle.candidates(placed, facets, positions, reach);
         let is_searched = candidates.is_some();
@@ -232,7 +232,7 @@ impl<const D: usize> ContactSites<'_, D> {
         x: &[f64],
     ) -> (Point<D>, ContactNode<D>) {
         let position = surface.position_at(vertex, self.layout, x);
-        let displacement = position - surface.begin[vertex.index()];
+        let displacement = position - surface.start[vertex.index()];
         let velocity = surface.velocity_at(vertex, self.layout, x);
         (position, ContactNode { row, slope: surface.end.slope, displacement, velocity, ..ContactNode::none() })
     }
@@ -279,7 +279,7 @@ impl<const D: usize> ContactSites<'_, D> {
     fn each_point(&self, item: usize, x: &[f64], mut visit: impl FnMut(&mut ContactSite<D>)) {
         let (item, slave, rule) = (&self.items.items[item], self.pair.slave, &self.pair.form.rule);
         let coordinates = slave.boundary.coordinates();
-        let begin = Placed::new(slave.boundary, &slave.begin).facet_points(item.facet);
+        let at_start = Placed::new(slave.boundary, &slave.start).facet_points(item.facet);
         let mut points = [Point::zeros(); D];
         let mut site = ContactSite::new();
         if let Some(stress) = &self.pair.stress {
@@ -299,7 +299,7 @@ impl<const D: usize> ContactSites<'_, D> {
                 for k in 0..D {
                     site.nodes[k].share = shape[k];
                     position += points[k] * shape[k];
-                    start += begin[k] * shape[k];
+                    start += at_start[k] * shape[k];
                 }
                 site.number = s * rule.weights().len() + q;
                 site.weight = weight * measure * coordinates.weight(&start);

@@ -56,18 +56,18 @@ impl TouchedCells {
         self.cells.clear();
         self.offsets.clear();
         self.offsets.push(0);
-        let mut n_facets = 0;
+        let mut n_pairs = 0;
         for (cell, slot) in self.cell_to_touched.iter_mut().enumerate() {
             let count = std::mem::replace(slot, UNTOUCHED);
             if count > 0 {
                 *slot = self.cells.len() as u32;
                 self.cells.push(CellId::new(cell));
-                self.offsets.push(n_facets);
-                n_facets += count;
+                self.offsets.push(n_pairs);
+                n_pairs += count;
             }
         }
         self.facets.clear();
-        self.facets.resize(n_facets as usize, 0);
+        self.facets.resize(n_pairs as usize, 0);
         for (cell, facet) in pairs() {
             let next = &mut self.offsets[self.cell_to_touched[cell] as usize + 1];
             self.facets[*next as usize] = facet;

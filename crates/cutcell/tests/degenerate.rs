@@ -19,8 +19,8 @@ fn grid<const D: usize>() -> SimplexMesh<D> {
     structured_box::<D>([0.0; D], [1.0; D], [N; D]).expect("a box")
 }
 
-/// Generates points on a vertex, an edge, a face or in the inside of a cell, shifted. Edges of cells run along sums of
-/// axes.
+/// Generates points on a vertex, an edge, a face or in the inside of a cell, shifted. Edges of cells are sums
+/// of unit vectors.
 fn place<const D: usize>() -> impl Strategy<Value = Point<D>> {
     let fraction = prop_oneof![3 => Just(0.0), 1 => Just(0.5), 1 => Just(1.0 / 3.0), 1 => 0.0..1.0_f64];
     let direction = prop::collection::vec(0..2_u8, D);
@@ -163,7 +163,7 @@ fn an_edge_of_the_background_through_a_corner_of_a_body() {
 
 #[test]
 fn needles_whose_volume_is_lost_in_round_off_are_parts() {
-    // Fluid as long as a cell and 1e-9 wide, seen from its tip: a determinant with rounding is zero.
+    // Fluid as long as a cell and 1e-9 wide: computed from its tip, its determinant rounds to zero.
     let corners = [
         [0.16666666666666666, 0.5, 0.16666666666666666],
         [0.0, 0.0, 0.3333333333333333],

@@ -39,7 +39,7 @@
 //! let summary = run(&scenario, &directory, &mut ())?;
 //! let height = HistoryTable::read(&directory.join("history.csv"))?.column("centre_y").unwrap_or_default();
 //! let fall = 2.0 - height[height.len() - 1];
-//! // Slower than in vacuum, since it displaces water.
+//! // Slower than in vacuum: the water has inertia.
 //! assert!(summary.steps == 5 && fall > 0.0 && fall < 0.5 * 981.0 * 0.05_f64.powi(2));
 //! # std::fs::remove_dir_all(&directory)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -94,7 +94,7 @@ fn assert_same(found: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<String, Ve
     }
 }
 
-/// Waits for the end of a run for a while, then kills it. Returns whether it had come to its end.
+/// Sleeps for `wait`, then kills the run unless it has ended. Returns whether it had ended.
 fn ends_within(mut run: Child, wait: Duration) -> bool {
     std::thread::sleep(wait);
     if let Some(status) = run.try_wait().expect("a status") {
@@ -245,7 +245,7 @@ fn checkpoints_that_cannot_be_used_are_refused() {
         bytes[middle] ^= 1;
         std::fs::write(path(step), bytes).expect("a file");
     };
-    // The last two are kept; if the last one is damaged the one before counts.
+    // The last two are kept; if the last one is damaged, the other is used.
     assert!(!path(10).exists() && path(20).exists() && path(25).exists());
     damage(25);
     let printed = finish(command(&damaged, true, &[]), 0);

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
-/// A square of two triangles with a hole of none: groups, a cell that is turned, and a second part.
+/// A rectangle of two triangles, one of them turned, with groups; a third triangle apart from it.
 const SQUARE: &str = r#"$MeshFormat
 2.2 0 8
 $EndMeshFormat
@@ -69,7 +69,7 @@ cells       (no group): 1 elements, area 5.000000e-1
 cells       `soft`: 2 elements, area 2.000000e0
 boundary    (no group): 5 elements, length 6.414214e0
 boundary    `wall`: 2 elements, length 3.000000e0
-note        1 cells had their nodes in the order of a negative volume, and were turned
+note        1 cells had a negative volume; the order of their nodes was reversed
 ";
     assert_eq!(text(&output.stdout), expected);
     let open = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";

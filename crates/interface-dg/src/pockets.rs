@@ -24,7 +24,7 @@ pub struct Pocket {
 
 /// Largest relative flux that is taken as zero: of `∫ N_k n_a` relative to `∫ N_k`, and of pivots in [`null_vectors`].
 /// It is ten times the share of the interface that a cut may leave without facets (`solver/src/overlay.rs`).
-const CLOSED: f64 = 1e-5;
+const ZERO_FLUX: f64 = 1e-5;
 
 /// Finds the pockets of a step.
 ///
@@ -73,7 +73,7 @@ pub fn pockets<const D: usize>(
 }
 
 /// Returns for each free dof of the bodies the fluxes `∫ N_k n_a` into the regions, one entry per region. Fluxes of
-/// tied dofs are added to those of their masters, with the factors of the tie. Fluxes of at most [`CLOSED`] times
+/// tied dofs are added to those of their masters, with the factors of the tie. Fluxes of at most [`ZERO_FLUX`] times
 /// `∫ N_k` are set to zero.
 fn fluxes<const D: usize>(
     points: &InterfacePoints<'_, D>,
@@ -106,7 +106,7 @@ fn fluxes<const D: usize>(
     }
     let is_free = |dof: &DofId| constraints.get(*dof).is_none();
     let rows: Vec<_> = fluxes.into_iter().filter(|(dof, _)| is_free(dof)).map(|(_, row)| row).collect();
-    let cleaned = |[flux, size]: [f64; 2]| if flux.abs() > CLOSED * size { flux } else { 0.0 };
+    let cleaned = |[flux, size]: [f64; 2]| if flux.abs() > ZERO_FLUX * size { flux } else { 0.0 };
     rows.into_iter().map(move |row| row.into_iter().map(cleaned).collect())
 }
 
@@ -128,7 +128,7 @@ fn null_vectors(rows: impl IntoIterator<Item = Vec<f64>>, n: usize) -> Vec<(usiz
         reduced.iter().for_each(|(column, source)| subtract(&mut row, *column, source));
         let better = |best: usize, k: usize| if row[k].abs() > row[best].abs() { k } else { best };
         let pivot = (0..n).fold(0, better);
-        if row[pivot].abs() <= CLOSED {
+        if row[pivot].abs() <= ZERO_FLUX {
             continue;
         }
         let scale = row[pivot];

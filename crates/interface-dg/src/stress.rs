@@ -10,7 +10,7 @@ use mesh::{BodyId, Coordinates, FacetId, MAX_CELL_VERTICES, Placed, Point, Vecto
 use crate::InterfacePoints;
 
 /// A facet is closed in part if pieces cover less than this fraction of it.
-const COVERED: f64 = 1.0 - 1e-9;
+const WET: f64 = 1.0 - 1e-9;
 
 /// Mean over each facet of the traction `T^f n` of the fluid in front of a body, `n` out of the body.
 ///
@@ -74,8 +74,8 @@ impl<'a, const D: usize> FluidStress<'a, D> {
         let (surface, geometry) = (self.surface(), &self.points.geometry);
         let pieces = geometry.cut.interface();
         let is_closed = |facet: &FacetId| {
-            let covered: f64 = self.pieces_of(*facet).map(|piece| piece.measure).sum();
-            covered < COVERED * surface.facet_measure(*facet)
+            let wet: f64 = self.pieces_of(*facet).map(|piece| piece.measure).sum();
+            wet < WET * surface.facet_measure(*facet)
         };
         let nearest = |facet: FacetId| {
             let of_facet = surface.facet_middle(facet);
@@ -136,8 +136,8 @@ impl<'a, const D: usize> FluidStress<'a, D> {
 
     /// Returns the indices of the interface pieces on a facet.
     fn on_facet(&self, facet: FacetId) -> impl Iterator<Item = usize> {
-        let begin = self.pieces.partition_point(|(other, _)| *other < facet);
-        self.pieces[begin..].iter().take_while(move |(other, _)| *other == facet).map(|(_, item)| *item)
+        let start = self.pieces.partition_point(|(other, _)| *other < facet);
+        self.pieces[start..].iter().take_while(move |(other, _)| *other == facet).map(|(_, item)| *item)
     }
 }
 

@@ -1,4 +1,4 @@
-//! Energies that the steps of a run generated, relative to the energies of the run.
+//! Energies that the steps of a run generated, and lost in contact, relative to the energies of the run.
 
 use mesh::Aabb;
 use serde::{Deserialize, Serialize};
@@ -27,6 +27,8 @@ pub(crate) struct Energies {
     largest_gain: f64,
     /// Sum of the gains.
     generated: f64,
+    /// Energy that the time scheme takes from bodies in steps with contact.
+    lost_in_contact: f64,
     largest_defect: f64,
     /// Whether the energy of a step was not a number.
     is_undefined: bool,
@@ -67,6 +69,9 @@ impl Energies {
         self.largest = self.largest.max(of_bodies.sum::<f64>() + of_contacts + of_fluid);
         self.largest_line = self.largest_line.max(report.ledger.largest_line());
         let (gain, defect) = (-report.ledger.dissipation(), report.ledger.defect().abs());
+        if report.contacts.iter().any(|contact| contact.n_active > 0) {
+            self.lost_in_contact += report.ledger.body_scheme;
+        }
         self.is_undefined |= !(gain.is_finite() && defect.is_finite());
         self.largest_defect = self.largest_defect.max(defect);
         if gain > f64::EPSILON * self.of_fluid {
@@ -86,6 +91,12 @@ impl Energies {
     pub(crate) fn generated(&self) -> Option<f64> {
         let size = self.largest.max(self.largest_line).max(f64::MIN_POSITIVE);
         (self.has_inertia && !self.is_undefined).then_some(self.generated / size)
+    }
+
+    /// Returns the energy that the time scheme takes from bodies in contact, relative to the energies of the run.
+    /// Returns `None` as [`Self::generated`] does.
+    pub(crate) fn lost_in_contact(&self) -> Option<f64> {
+        self.generated().map(|_| self.lost_in_contact / self.largest.max(f64::MIN_POSITIVE))
     }
 
     /// Returns the largest energy of a step that no line of the ledger contains, relative to the energies of the run;

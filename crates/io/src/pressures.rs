@@ -52,7 +52,7 @@ impl Pressure {
 }
 
 /// Returns the pressures of sides and the hydrostatic pressure, without those that are zero at all times. They are
-/// evaluated at the ends of steps, or at fewer times if there are many places.
+/// evaluated at equal intervals: at most one per step, but at least 20.
 fn all_pressures<const D: usize>(case: &Case<D>, end: f64) -> Vec<Pressure> {
     let Some(fluid) = &case.setup.fluid else { return Vec::new() };
     let mut all = side_pressures(fluid, case, end);

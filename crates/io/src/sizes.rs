@@ -154,7 +154,7 @@ impl Sizes {
         lines.push(format!("linear solver: {}", self.linear));
         let newton = &scenario.solver.newton;
         lines.push(format!(
-            "Newton's method: relative tolerance {:e}, at most {} corrections in a step",
+            "Newton's method: relative tolerance {:e}, at most {} corrections per solve",
             newton.tolerance, newton.max_iterations
         ));
         let every = |n: usize| if n == 0 { "never".to_owned() } else { format!("every {n} steps") };

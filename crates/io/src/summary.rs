@@ -81,6 +81,10 @@ pub struct Summary {
     /// `quasi-static`.
     #[serde(default)]
     pub energy_generated: Option<f64>,
+    /// Energy that the time scheme takes from bodies in the steps with contact, divided by the energies of the run. It
+    /// falls with the step. None in the same cases.
+    #[serde(default)]
+    pub energy_lost_in_contact: Option<f64>,
     /// Largest energy of a step that no line of [`solver::Ledger`] contains, divided by the same energies or line, at
     /// least the weights times the extents, and by the tolerance of Newton's method. None in the same cases.
     #[serde(default)]
@@ -266,6 +270,7 @@ impl SummaryBuilder {
         self.summary.energy_defect = self.energies.defect().map(|defect| defect / tolerance);
         self.summary.energy_monotone = self.energies.is_monotone();
         self.summary.energy_generated = self.energies.generated();
+        self.summary.energy_lost_in_contact = self.energies.lost_in_contact();
         for (contact, found) in view.setup.contacts.iter().zip(&report.contacts) {
             let least = self.summary.smallest_gap.as_ref().map_or(f64::INFINITY, |(least, _)| *least);
             if let Some(gap) = found.minimum_gap.filter(|gap| *gap < least) {

@@ -168,7 +168,7 @@ fn boxes_in_3d_follow_the_size() {
     }
 }
 
-/// Returns a ball, a line and a box in the unit cube, with cells finer and finer.
+/// Returns a ball, a line and a box that begin in the unit cube, each with coarser cells than the one before.
 fn regions<const D: usize>(size: f64, growth: f64) -> [Region<D>; 3] {
     let at = |x: f64| Point::<D>::from_fn(|k, _| x + 0.1 * k as f64);
     [
@@ -179,7 +179,7 @@ fn regions<const D: usize>(size: f64, growth: f64) -> [Region<D>; 3] {
 }
 
 /// Returns the smallest size that regions and the background prescribe.
-fn asked<const D: usize>(regions: &[Region<D>], coarse: f64, x: &Point<D>) -> f64 {
+fn prescribed_size<const D: usize>(regions: &[Region<D>], coarse: f64, x: &Point<D>) -> f64 {
     regions.iter().map(|region| region.at(x)).fold(coarse, f64::min)
 }
 
@@ -193,7 +193,7 @@ fn triangles_are_fine_near_regions() {
         assert!((volume(&mesh) - 1.0).abs() < 1e-13);
         let relative = |cell: CellId| {
             let simplex = mesh.simplex(cell);
-            simplex.diameter() / asked(&regions, 0.2, &simplex.centroid())
+            simplex.diameter() / prescribed_size(&regions, 0.2, &simplex.centroid())
         };
         let [mean, largest] = [
             mesh.cells().map(relative).sum::<f64>() / mesh.n_cells() as f64,
@@ -237,7 +237,7 @@ fn tetrahedra_are_fine_near_regions() {
         let mut mean = 0.0;
         for cell in mesh.cells() {
             let simplex = mesh.simplex(cell);
-            let relative = simplex.diameter() / 3.0_f64.sqrt() / asked(&regions, 0.25, &simplex.centroid());
+            let relative = simplex.diameter() / 3.0_f64.sqrt() / prescribed_size(&regions, 0.25, &simplex.centroid());
             assert!(relative < 1.0 + 1e-8, "{relative}");
             let shape = simplex.volume() / simplex.diameter().powi(3);
             assert!(SHAPES.iter().any(|known| (shape - known).abs() < 1e-5), "{shape} at {}", simplex.centroid());
@@ -386,7 +386,7 @@ fn closest_agrees_with_brute_force<const D: usize>(x: Point<D>, bend: f64) {
     let index = SurfaceIndex::new(&placed);
     let (closest, distance) = index.closest(&x).zip(index.signed_distance(&x)).expect("a surface with facets");
 
-    // The point is where it claims to be.
+    // The barycentric coordinates agree with the point.
     let corners = placed.facet_points(closest.facet);
     let point: Point<D> = corners.iter().zip(&closest.barycentric).map(|(x, l)| x * *l).sum();
     assert!((point - closest.point).norm() < 1e-14);

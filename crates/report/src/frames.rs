@@ -275,7 +275,7 @@ fn bounds<const D: usize>(setup: &Setup<D>) -> ([f64; 2], [f64; 2]) {
     let bounds = match &setup.fluid {
         Some(fluid) => Aabb::of_points(fluid.background.vertices()),
         None => {
-            let starts = setup.bodies.iter().map(|body| body.start().positions(body.reference()));
+            let starts = setup.bodies.iter().map(|body| body.initial().positions(body.reference()));
             let bounds = starts.map(|x| Aabb::of_points(&x)).fold(Aabb::empty(), |all, one| all.union(&one));
             bounds.expanded(0.5 * bounds.extent().max())
         }

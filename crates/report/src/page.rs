@@ -20,7 +20,7 @@ pub(crate) fn lead(results: &Results) -> String {
     let planned = results.planned_end.filter(|planned| end < planned - 0.5 * summary.dt);
     let stopped = planned.map_or(String::new(), |planned| {
         format!(
-            " <strong>The run stopped before its end at {} {time}; run.log has the reason.</strong>",
+            " <strong>The run stopped before its planned end, {} {time}; run.log has the reason.</strong>",
             number(planned)
         )
     });

@@ -92,7 +92,7 @@ fn the_page_of_a_run_that_stopped_says_so() {
         text.lines().map(|line| if line.starts_with("end ") { "end = 0.05" } else { line }).collect();
     fs::write(&scenario, longer.join("\n")).expect("a file");
     let page = fs::read_to_string(write(&directory).unwrap_or_else(|e| panic!("{e}"))).expect("a page");
-    assert!(page.contains("stopped before its end at 0.05 s; run.log has the reason"));
+    assert!(page.contains("stopped before its planned end, 0.05 s; run.log has the reason"));
 }
 
 #[test]

@@ -7,7 +7,7 @@
 //! | line | formula | file |
 //! |---|---|---|
 //! | balance of momentum | `dP/dt - M g`, `dL/dt` at the stage; implicit Euler: `(M V - P^n)/Δt - M g`, `(J ω - L^n)/Δt` | `terms/momentum.rs` |
-//! | gravity that varies in time | `-M g(t)` | `terms/variable_weight.rs` |
+//! | gravity that varies in time | `-M g(t)` | `terms/variable_gravity.rs` |
 //!
 //! Fluid and contact act on the velocities of vertices, which are tied to the unknowns of the body ([`RigidBody`]).
 //!

@@ -39,9 +39,8 @@ impl<const D: usize> RigidMotion<D> {
         Self { centre, rotation, velocity, spin, angular_momentum, acceleration, spin_rate, torque }
     }
 
-    /// Evaluates a row of a time scheme for the displacement, with a velocity and a spin at the stage. Returns the
-    /// centre and the rotation `exp(φ ×) R`, where the rotation `R` at the start is turned by the angles `φ` that the
-    /// row gives without its weight of the displacement.
+    /// Evaluates the displacement row of a time scheme, with a velocity and a spin at the stage. Returns the centre and
+    /// the rotation `exp(φ ×) R`: `R` is that at the start, and the angles `φ` are the sum of spins in the row.
     pub fn placed(&self, row: &Row, velocity: &Vector<D>, spin: &Spin) -> (Point<D>, Tensor<D>) {
         let centre = self.centre * row.displacement + self.weighted_velocities(row, velocity);
         (centre, rotated_by::<D>(&self.weighted_spins(row, spin)) * self.rotation)

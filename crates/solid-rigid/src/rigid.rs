@@ -7,7 +7,7 @@ use mesh::{BoundaryMesh, Placed, Point, Vector};
 
 use crate::centre::RigidCentre;
 use crate::modes::{Spin, mode, n_modes};
-use crate::terms::{Momentum, VariableWeight};
+use crate::terms::{Momentum, VariableGravity};
 use crate::{Error, MassProperties, RigidMotion};
 
 /// Relative difference below which two times are equal.
@@ -119,16 +119,16 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         (0..n_modes(D)).any(|m| !self.holds(m))
     }
 
-    fn start(&self) -> BodyState<D> {
+    fn initial(&self) -> BodyState<D> {
         self.state(&RigidMotion::initial(&self.mass, self.initial_velocity, self.initial_spin), false)
     }
 
-    fn geometry(&self, begin: &BodyState<D>, time: &StepTime) -> Vec<Point<D>> {
+    fn geometry(&self, start: &BodyState<D>, time: &StepTime) -> Vec<Point<D>> {
         let row = &time.weights.extrapolated[0];
         if row.velocity == 0.0 {
-            return begin.positions(&self.reference);
+            return start.positions(&self.reference);
         }
-        let motion = self.motion(begin);
+        let motion = self.motion(start);
         let (centre, rotation) = motion.placed(row, &Vector::zeros(), &[0.0; 3]);
         let placed = RigidMotion { centre, rotation, ..motion };
         self.reference.iter().map(|x| placed.position(&self.mass, x)).collect()
@@ -136,15 +136,15 @@ impl<const D: usize> Body<D> for RigidBody<D> {
 
     fn step<'s>(
         &'s self,
-        begin: &'s BodyState<D>,
+        start: &'s BodyState<D>,
         time: &StepTime,
         layout: &mut BlockLayout,
     ) -> Box<dyn BodyStep<D> + 's> {
-        let motion = self.motion(begin);
+        let motion = self.motion(start);
         let momentum = motion.momentum(&self.mass, self.gravity, &time.weights);
         let vertices = layout.push(&self.name, self.reference.len(), D);
         let whole = layout.push(&format!("{} as a whole", self.name), 1, n_modes(D));
-        let geometry = self.geometry(begin, time);
+        let geometry = self.geometry(start, time);
         let centre = motion.placed(&time.weights.extrapolated[0], &Vector::zeros(), &[0.0; 3]).0;
         let largest =
             |of: fn(&Vector<D>) -> f64, from: Point<D>| geometry.iter().map(|x| of(&(x - from))).fold(0.0, f64::max);
@@ -153,12 +153,12 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         let turning = rounding / largest(Vector::norm, centre);
         let of_modes = (0..n_modes(D)).map(|mode| if mode < D { rounding } else { turning });
         layout.set_rounding(whole, &of_modes.collect::<Vec<_>>());
-        let surface = SurfaceMotion::of_field(&self.boundary, &self.reference, begin, geometry, time, vertices);
+        let surface = SurfaceMotion::of_field(&self.boundary, &self.reference, start, geometry, time, vertices);
         let force = self.variable_gravity(time.stage()) * self.mass.mass;
-        let weight = self.variable_gravity.as_ref().map(|_| VariableWeight { force });
+        let weight = self.variable_gravity.as_ref().map(|_| VariableGravity { force });
         Box::new(RigidStep {
             body: self,
-            begin,
+            start,
             time: *time,
             motion,
             centre,
@@ -204,14 +204,14 @@ impl<const D: usize> Body<D> for RigidBody<D> {
 /// rigid body as on any other.
 struct RigidStep<'s, const D: usize> {
     body: &'s RigidBody<D>,
-    begin: &'s BodyState<D>,
+    start: &'s BodyState<D>,
     time: StepTime,
     motion: RigidMotion<D>,
     /// Centre at the positions at which the background is cut.
     centre: Point<D>,
     momentum: Momentum<D>,
     /// Force of a gravity that varies in time, at the stage.
-    weight: Option<VariableWeight<D>>,
+    weight: Option<VariableGravity<D>>,
     /// Field of the velocities of the vertices.
     vertices: FieldId,
     /// Field of `V` and `ω`, with one node.
@@ -233,8 +233,8 @@ impl<const D: usize> BodyStep<D> for RigidStep<'_, D> {
                 constraints.tie(dof, &masters);
             }
         }
-        let begin = self.time.end - self.time.length;
-        let guided = self.body.guide.as_ref().filter(|guide| begin < guide.until * (1.0 - ROUND_OFF));
+        let time = self.time.end - self.time.length;
+        let guided = self.body.guide.as_ref().filter(|guide| time < guide.until * (1.0 - ROUND_OFF));
         let guided = guided.map(|guide| (guide.velocity)(self.time.end));
         for (m, dof) in layout.node(self.whole, 0).enumerate() {
             // Velocity at the end of the step: zero for held modes, that of the guide before the release.
@@ -260,7 +260,7 @@ impl<const D: usize> BodyStep<D> for RigidStep<'_, D> {
     }
 
     fn guess(&self, layout: &BlockLayout, x: &mut [f64]) {
-        layout.set(self.vertices, self.begin.velocity().iter().map(|v| (*v).into()), x);
+        layout.set(self.vertices, self.start.velocity().iter().map(|v| (*v).into()), x);
         let RigidMotion { velocity, spin, .. } = &self.motion;
         for (value, dof) in velocity.iter().chain(spin).zip(layout.node(self.whole, 0)) {
             x[dof.index()] = *value;

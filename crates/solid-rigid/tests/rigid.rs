@@ -51,10 +51,10 @@ fn what_encloses_nothing_is_refused() {
 /// Advances a body without forces by one step. The contribution is linear, so one iteration of Newton's method
 /// suffices.
 fn free_step(body: &RigidBody<3>, before: &RigidMotion<3>, dt: f64) -> RigidMotion<3> {
-    let begin = BodyState { inner: before.to_numbers(), ..body.start() };
+    let start = BodyState { inner: before.to_numbers(), ..body.initial() };
     let mut layout = BlockLayout::new();
     let time = StepTime::new(&ImplicitEuler, dt, dt, true);
-    let step = body.step(&begin, &time, &mut layout);
+    let step = body.step(&start, &time, &mut layout);
     let mut constraints = Constraints::new();
     step.constrain(&layout, &mut constraints);
     let equations =

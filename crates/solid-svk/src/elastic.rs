@@ -110,32 +110,32 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
         true
     }
 
-    fn start(&self) -> BodyState<D> {
+    fn initial(&self) -> BodyState<D> {
         let options = &self.options;
         BodyState::new(self.at_start(&options.initial_displacement), self.at_start(&options.initial_velocity))
     }
 
     fn step<'s>(
         &'s self,
-        begin: &'s BodyState<D>,
+        start: &'s BodyState<D>,
         time: &StepTime,
         layout: &mut BlockLayout,
     ) -> Box<dyn BodyStep<D> + 's> {
-        let rule = StepRule::new(&time.weights, &begin.level);
+        let rule = StepRule::new(&time.weights, &start.level);
         let field = layout.push(&self.name, self.reference().len(), D);
-        let geometry = self.geometry(begin, time);
+        let geometry = self.geometry(start, time);
         let farthest = geometry.iter().map(|x| x.amax()).fold(0.0, f64::max);
         layout.set_rounding(field, &[time.rounding(farthest); D]);
-        let mut surface = SurfaceMotion::of_field(self.surface(), self.reference(), begin, geometry, time, field);
+        let mut surface = SurfaceMotion::of_field(self.surface(), self.reference(), start, geometry, time, field);
         let displacement = &time.weights.stage_displacement;
         surface.stage = time.weights.pressure_at_stage.then(|| Affine {
             slope: displacement.slope,
-            predicted: begin.positions_by(displacement, self.reference()),
+            predicted: start.positions_by(displacement, self.reference()),
         });
         let acceleration = self.variable_gravity(time.stage());
         let weight = BodyForce { acceleration, ..self.form.body_force.clone() };
         let weight = self.options.variable_gravity.as_ref().map(|_| weight);
-        Box::new(ElasticStep { body: self, begin, time: *time, rule, weight, field, surface })
+        Box::new(ElasticStep { body: self, start, time: *time, rule, weight, field, surface })
     }
 
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>> {
@@ -158,7 +158,7 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
 /// An elastic body in one step.
 struct ElasticStep<'s, const D: usize> {
     body: &'s ElasticBody<D>,
-    begin: &'s BodyState<D>,
+    start: &'s BodyState<D>,
     time: StepTime,
     rule: StepRule<Vector<D>>,
     /// Load of a gravity that varies in time, at the stage.
@@ -172,7 +172,7 @@ impl<const D: usize> ElasticStep<'_, D> {
     fn constrain_axis(&self, layout: &BlockLayout, constraints: &mut Constraints) {
         let Some(radial) = self.body.solid.mesh().coordinates().radial() else { return };
         for (node, _) in self.body.solid.nodes().iter().enumerate().filter(|(_, x)| x[radial] == 0.0) {
-            let velocity = self.time.weights.stage_velocity(0.0, self.begin.velocity()[node][radial]);
+            let velocity = self.time.weights.stage_velocity(0.0, self.start.velocity()[node][radial]);
             constraints.set(layout.dof(self.field, node, radial), velocity);
         }
     }
@@ -193,7 +193,7 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
             supports.filter(move |support| matches!(support.kind, SupportKind::Symmetry { .. }) == symmetric)
         };
         let constrain = |support: &Support<D>, constraints: &mut Constraints| {
-            support.constrain(self.cells(layout), self.begin, &self.time, constraints);
+            support.constrain(self.cells(layout), self.start, &self.time, constraints);
         };
         supports(false).for_each(|support| constrain(support, constraints));
         self.constrain_axis(layout, constraints);
@@ -220,12 +220,12 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
     }
 
     fn guess(&self, layout: &BlockLayout, x: &mut [f64]) {
-        layout.set(self.field, self.begin.velocity().iter().map(|v| (*v).into()), x);
+        layout.set(self.field, self.start.velocity().iter().map(|v| (*v).into()), x);
     }
 
     fn end(&self, layout: &BlockLayout, x: &[f64]) -> BodyState<D> {
         let velocity: Vec<_> = layout.values(self.field, x).map(Vector::<D>::from).collect();
-        BodyState { level: self.time.weights.end(&self.begin.level, &velocity), inner: Vec::new() }
+        BodyState { level: self.time.weights.end(&self.start.level, &velocity), inner: Vec::new() }
     }
 
     fn stress<'p>(

@@ -250,8 +250,8 @@ impl<const D: usize> SolidMesh<D> {
     /// its nodes.
     ///
     /// The rule has degree `2p - 2` for order `p`, which preserves the order of convergence: one point, and for order 2
-    /// three in 2D and four in 3D. The number of strain components at all points equals the number of displacements of
-    /// a cell minus that of its rigid motions, so that only rigid motions have no energy.
+    /// three in 2D and four in 3D. In Cartesian coordinates the strain components at all points are as many as the
+    /// displacements of a cell without rigid motions, so that only rigid motions have no energy.
     ///
     /// Source: Ciarlet 2002, The Finite Element Method for Elliptic Problems, Thm. 4.1.6.
     #[inline]

@@ -51,15 +51,15 @@ impl<const D: usize> Support<D> {
     pub fn constrain(
         &self,
         cells: SolidCells<'_, D>,
-        begin: &BodyState<D>,
+        start: &BodyState<D>,
         time: &StepTime,
         constraints: &mut Constraints,
     ) {
         let SolidCells { solid, layout, velocity: field, .. } = cells;
-        let end = Affine::new(&time.weights.displacement, &begin.level);
+        let end = Affine::new(&time.weights.displacement, &start.level);
         for &vertex in &self.vertices {
             let at_rest = |start: f64| time.weights.stage_velocity(0.0, start);
-            let start = &begin.velocity()[vertex.index()];
+            let start = &start.velocity()[vertex.index()];
             let velocity: [Option<f64>; D] = match &self.kind {
                 SupportKind::Clamped => std::array::from_fn(|a| Some(at_rest(start[a]))),
                 SupportKind::Symmetry { normal } => {

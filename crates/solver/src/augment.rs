@@ -14,7 +14,8 @@ impl<const D: usize> Step<'_, D> {
     /// contact become the multipliers of another solve, until they no longer change. A collision at several points is
     /// solved again with the points that push.
     ///
-    /// The pressure of each pocket has the mean zero. The report, also that of an error, contains the counts and times of all solves, and the history of the last one.
+    /// The pressure of each pocket has the mean zero. The report, also that of an error, contains the counts and times of
+    /// all solves, and the history of the last one.
     ///
     /// # Errors
     /// Newton's method fails, or the multipliers still change after the largest number of solves.
@@ -57,7 +58,7 @@ impl<const D: usize> Step<'_, D> {
     fn augment(&mut self, x: &[f64]) -> Option<Unsettled> {
         let contacts = || self.setup.contacts.iter().zip(&self.contacts);
         let found: Vec<Option<Multipliers>> =
-            contacts().map(|(contact, step)| step.sites(contact, self.parts()).multipliers(x)).collect();
+            contacts().map(|(contact, step)| step.sites(contact, self.refs()).multipliers(x)).collect();
         let mut changes = found.iter().zip(&self.setup.contacts).enumerate();
         let unsettled = changes.find_map(|(index, (found, contact))| {
             let Multipliers { change, largest, .. } = *found.as_ref()?;

@@ -6,7 +6,7 @@ use algebra::{Constraints, Contributions, DofId, LocalSystem};
 use contact::{Anchor, ContactPoint, Positions, Projection};
 use mesh::{BodyId, Placed, Point, Vector, VertexId};
 
-use crate::contact_step::StepParts;
+use crate::contact_step::StepRefs;
 use crate::setup::Contact;
 use crate::{Setup, State};
 
@@ -68,7 +68,7 @@ impl<const D: usize> Collision<D> {
         contact: &Contact<D>,
         setup: &Setup<D>,
         previous: &State<D>,
-        parts: StepParts<'_, D>,
+        refs: StepRefs<'_, D>,
         constraints: &Constraints,
         start: &[f64],
     ) -> Option<Self> {
@@ -80,11 +80,11 @@ impl<const D: usize> Collision<D> {
             None => is_free(*dof),
         };
         for (vertex, found) in touching(contact, setup, previous) {
-            let mut point = CollisionPoint::new(contact, vertex, &found, previous, parts);
+            let mut point = CollisionPoint::new(contact, vertex, &found, previous, refs);
             if point.dofs.iter().any(can_move) {
                 let approach = point.velocities(start).iter().sum::<f64>();
                 fastest = fastest.max(approach.abs());
-                point.velocity = parts.time.weights.stage_velocity(-restitution * approach, approach);
+                point.velocity = refs.time.weights.stage_velocity(-restitution * approach, approach);
                 point.acts = approach > 0.0;
                 points.push(point);
             }
@@ -92,7 +92,7 @@ impl<const D: usize> Collision<D> {
         let bodies = [Some(contact.body()), contact.master()].into_iter().flatten();
         let balance = |id: BodyId| setup.bodies[id.index()].balance(&previous.bodies[id.index()]);
         let mass = bodies.filter_map(balance).map(|balance| balance.mass).fold(0.0, f64::max);
-        (!points.is_empty()).then(|| Self { points, fastest, weight: STIFFNESS * mass / parts.time.length })
+        (!points.is_empty()).then(|| Self { points, fastest, weight: STIFFNESS * mass / refs.time.length })
     }
 
     /// Returns the number of points that act.
@@ -177,18 +177,18 @@ impl<const D: usize> CollisionPoint<D> {
         vertex: VertexId,
         found: &Projection<D>,
         previous: &State<D>,
-        parts: StepParts<'_, D>,
+        refs: StepRefs<'_, D>,
     ) -> Self {
         let mut ends = vec![(contact.body(), vertex, 1.0)];
         if let (Some(id), Anchor::Facet { facet, barycentric, .. }) = (contact.master(), &found.anchor) {
-            let vertices = parts.bodies[id.index()].surface().boundary.facet(*facet);
+            let vertices = refs.bodies[id.index()].surface().boundary.facet(*facet);
             ends.extend(vertices.iter().zip(barycentric).map(|(&vertex, share)| (id, vertex, -share)));
         }
         let (mut dofs, mut n_of_slave, mut given) = (Vec::new(), 0, [0.0; 2]);
         for (end, (id, vertex, share)) in ends.into_iter().enumerate() {
-            match parts.bodies[id.index()].surface().field() {
+            match refs.bodies[id.index()].surface().field() {
                 Some(field) => {
-                    let of_vertex = parts.layout.node(field, vertex.index()).zip(&found.normal);
+                    let of_vertex = refs.layout.node(field, vertex.index()).zip(&found.normal);
                     dofs.extend(of_vertex.map(|(dof, n)| (dof, share * n)).filter(|(_, share)| *share != 0.0));
                 }
                 None => {

@@ -13,16 +13,16 @@ use crate::State;
 use crate::fluid_step::FluidStep;
 use crate::setup::Contact;
 
-/// Borrowed parts of a step that the evaluation of contacts uses: layout, fluid, bodies and time.
+/// References to what the evaluation of contacts uses of a step: layout, fluid, bodies and time.
 #[derive(Clone, Copy)]
-pub(crate) struct StepParts<'p, const D: usize> {
+pub(crate) struct StepRefs<'p, const D: usize> {
     pub(crate) layout: &'p BlockLayout,
     pub(crate) fluid: Option<&'p FluidStep<'p, D>>,
     pub(crate) bodies: &'p [Box<dyn BodyStep<D> + 'p>],
     pub(crate) time: &'p StepTime,
 }
 
-impl<'p, const D: usize> StepParts<'p, D> {
+impl<'p, const D: usize> StepRefs<'p, D> {
     /// Returns the stress of the fluid on a body; `None` without a fluid.
     fn fluid_stress(&self, body: BodyId) -> Option<Arc<FluidStress<'p, D>>> {
         let fluid = self.fluid?;
@@ -52,13 +52,13 @@ fn needs_stress(source: StressSource) -> bool {
 }
 
 /// Returns the pair of slave and obstacle of a contact in a step.
-fn pair<'p, const D: usize>(contact: &'p Contact<D>, parts: StepParts<'p, D>) -> ContactPair<'p, D> {
-    let surface = |id: BodyId| parts.bodies[id.index()].surface();
+fn pair<'p, const D: usize>(contact: &'p Contact<D>, refs: StepRefs<'p, D>) -> ContactPair<'p, D> {
+    let surface = |id: BodyId| refs.bodies[id.index()].surface();
     let source = contact.form().law.stress();
-    let body = &parts.bodies[contact.body().index()];
-    let solid = || body.stress(parts.layout, &body.surface().begin).map(Arc::from);
+    let body = &refs.bodies[contact.body().index()];
+    let solid = || body.stress(refs.layout, &body.surface().start).map(Arc::from);
     let fluid =
-        (source == StressSource::Fluid || source == StressSource::Jump).then(|| parts.fluid_stress(contact.body()));
+        (source == StressSource::Fluid || source == StressSource::Jump).then(|| refs.fluid_stress(contact.body()));
     let fluid = fluid.flatten();
     let stress: Option<Arc<dyn SurfaceStress<D> + 'p>> = match (source, &fluid) {
         (StressSource::None | StressSource::Multiplier, _) => None,
@@ -78,7 +78,7 @@ fn pair<'p, const D: usize>(contact: &'p Contact<D>, parts: StepParts<'p, D>) ->
         stress,
         // With a stress, contact of a body with itself acts from both sides.
         share: if is_own && needs_stress(source) { 0.5 } else { 1.0 },
-        conserves: parts.time.weights.conserves,
+        conserves: refs.time.weights.conserves,
     }
 }
 
@@ -86,20 +86,20 @@ impl<const D: usize> ContactStep<D> {
     /// Searches for obstacles within the offset of the law, plus twice the contact size, plus twice the largest speeds
     /// of slave and master at the start times the length of the step. Returns `None` if the law depends on a stress
     /// that the setup does not have.
-    pub(crate) fn new(contact: &Contact<D>, previous: &State<D>, parts: StepParts<'_, D>) -> Option<Self> {
-        let (pair, source) = (pair(contact, parts), contact.form().law.stress());
+    pub(crate) fn new(contact: &Contact<D>, previous: &State<D>, refs: StepRefs<'_, D>) -> Option<Self> {
+        let (pair, source) = (pair(contact, refs), contact.form().law.stress());
         if needs_stress(source) && pair.stress.is_none() {
             return None;
         }
-        let motion = |id: BodyId| previous.bodies[id.index()].largest_speed() * parts.time.length;
+        let motion = |id: BodyId| previous.bodies[id.index()].largest_speed() * refs.time.length;
         let motion = motion(contact.body()) + contact.master().map_or(0.0, motion);
         let reach = contact.form().law.offset() + 2.0 * motion + 2.0 * contact.form().size();
-        Some(Self { items: ContactItems::new(&pair, parts.layout, reach), reach })
+        Some(Self { items: ContactItems::new(&pair, refs.layout, reach), reach })
     }
 
     /// Returns the quadrature points of the contact.
-    pub(crate) fn sites<'p>(&'p self, contact: &'p Contact<D>, parts: StepParts<'p, D>) -> ContactSites<'p, D> {
-        ContactSites { items: &self.items, pair: pair(contact, parts), layout: parts.layout }
+    pub(crate) fn sites<'p>(&'p self, contact: &'p Contact<D>, refs: StepRefs<'p, D>) -> ContactSites<'p, D> {
+        ContactSites { items: &self.items, pair: pair(contact, refs), layout: refs.layout }
     }
 
     /// Sets the multipliers of the next solve.
@@ -109,28 +109,28 @@ impl<const D: usize> ContactStep<D> {
 
     /// Returns the motion of slave and master in the step, and that for which the obstacle was searched, if the first
     /// is larger and they may have touched.
-    pub(crate) fn missed(&self, contact: &Contact<D>, parts: StepParts<'_, D>, x: &[f64]) -> Option<[f64; 2]> {
+    pub(crate) fn missed(&self, contact: &Contact<D>, refs: StepRefs<'_, D>, x: &[f64]) -> Option<[f64; 2]> {
         if !self.items.is_searched() {
             return None;
         }
-        let surface = |id: BodyId| parts.bodies[id.index()].surface();
+        let surface = |id: BodyId| refs.bodies[id.index()].surface();
         let (slave, master) = (surface(contact.body()), contact.master().map(surface));
-        let speed_of = |surface: &SurfaceMotion<'_, D>, node| surface.velocity_at(node, parts.layout, x).norm();
+        let speed_of = |surface: &SurfaceMotion<'_, D>, node| surface.velocity_at(node, refs.layout, x).norm();
         let fastest = |surface: &SurfaceMotion<'_, D>| {
-            let nodes = (0..surface.begin.len()).map(VertexId::new);
+            let nodes = (0..surface.start.len()).map(VertexId::new);
             nodes.map(|node| speed_of(surface, node)).fold(0.0, f64::max)
         };
         let master_speed = master.map_or(0.0, fastest);
-        let motion = fastest(slave) * parts.time.length + master_speed * parts.time.length;
+        let motion = fastest(slave) * refs.time.length + master_speed * refs.time.length;
         let offset = contact.form().law.offset();
         let room = self.reach - offset;
         if motion <= room {
             return None;
         }
-        let obstacle = master.map_or(&[][..], |master| &master.begin);
+        let obstacle = master.map_or(&[][..], |master| &master.start);
         // `None` for contact of a body with itself. Zero is then assumed: it may have been missed.
         let of_slave = |node| speed_of(slave, node);
-        let apart = contact.smallest_gap(slave.boundary, [&slave.begin, obstacle], of_slave, master_speed);
+        let apart = contact.smallest_gap(slave.boundary, [&slave.start, obstacle], of_slave, master_speed);
         let apart = apart.unwrap_or(0.0);
         (apart <= motion + offset).then_some([motion, room])
     }

@@ -20,7 +20,7 @@ use xfem_space::{
 
 use crate::extension::Extension;
 use crate::overlay::overlay;
-use crate::setup::{FluidBoundary, FluidSetup};
+use crate::setup::{ConvectionForm, FluidBoundary, FluidSetup};
 use crate::state::KineticProducts;
 use crate::surfaces::Surfaces;
 use crate::{Error, FluidState, Setup, Stabilisation, State};
@@ -354,8 +354,9 @@ fn form<const D: usize>(fluid: &FluidSetup<D>, rate: f64, time: f64) -> FluidFor
         viscous: Viscous { viscosity },
         incompressibility: Incompressibility,
         hoop: is_axisymmetric.then_some(Hoop { viscosity }),
-        convection: fluid.convection.map(|skew| Convection { density, skew }),
-        hoop_convection: (is_axisymmetric && fluid.convection == Some(true)).then_some(HoopConvection { density }),
+        convection: fluid.convection.map(|form| Convection { density, skew: form == ConvectionForm::Skew }),
+        hoop_convection: (is_axisymmetric && fluid.convection == Some(ConvectionForm::Skew))
+            .then_some(HoopConvection { density }),
         film: fluid.film.map(|_| Film {
             viscosity,
             force: fluid.body_force.as_ref().map(|force| force.as_ref() as _),

@@ -176,7 +176,7 @@ impl<const D: usize> Problem<'_, D> {
         for (b, body) in step.bodies.iter().enumerate() {
             let own: f64 = body.contributions(layout).iter().map(|terms| work(terms.as_ref())).sum();
             let loads: f64 = body.loads(layout).iter().map(|terms| work(terms.as_ref())).sum();
-            let (body, begin, end) = (&step.setup.bodies[b], &before.bodies[b], &ends[b]);
+            let (body, start, end) = (&step.setup.bodies[b], &before.bodies[b], &ends[b]);
             let energy = |balance: Option<Balance<D>>| balance.map_or(0.0, |balance| balance.energy());
             let scheme_energy = |state: &BodyState<D>, rates: &BodyState<D>, own: f64| {
                 let motions = step.time.weights.of_energy.map(|rows| match rows {
@@ -186,10 +186,10 @@ impl<const D: usize> Problem<'_, D> {
                 0.5 * (motions[0] + motions[1])
             };
             // In the first step the acceleration at the start is unknown, and taken as that at the end.
-            let rates = if begin.level.acceleration.is_empty() { end } else { begin };
-            let [at_begin, at_end] = balances[b].map(energy);
-            let change = at_end - at_begin;
-            let scheme_change = scheme_energy(end, end, at_end) - scheme_energy(begin, rates, at_begin);
+            let rates = if start.level.acceleration.is_empty() { end } else { start };
+            let [at_start, at_end] = balances[b].map(energy);
+            let change = at_end - at_start;
+            let scheme_change = scheme_energy(end, end, at_end) - scheme_energy(start, rates, at_start);
             // The motions of the scheme lie beyond the state, and a material may have no energy there. The line then
             // has a jump of the energy that the scheme stores in this step and the next.
             let scheme_change = if scheme_change.is_finite() { scheme_change } else { change };

@@ -42,7 +42,9 @@ pub use prepare::{Step, Substep};
 pub use problem::Problem;
 pub use report::{BodyReport, FluidReport, ForceBalance, StepReport};
 pub use seconds::StepSeconds;
-pub use setup::{ApproachSteps, Contact, ContactObstacle, FilmSetup, FluidBoundary, FluidSetup, Setup, TractionField};
+pub use setup::{
+    ApproachSteps, Contact, ContactObstacle, ConvectionForm, FilmSetup, FluidBoundary, FluidSetup, Setup, TractionField,
+};
 pub use sides::SideForce;
 pub use stabilisation::Stabilisation;
 pub use state::{FluidState, State};

@@ -53,7 +53,7 @@ impl<const D: usize> State<D> {
             let displacement = lists.vectors("displacements of a body", n)?;
             let velocity = lists.vectors("velocities of a body", n)?;
             let acceleration = lists.vectors_or_none("accelerations of a body", n)?;
-            let inner = lists.list("own numbers of a body", body.start().inner.len())?.to_vec();
+            let inner = lists.list("own numbers of a body", body.initial().inner.len())?.to_vec();
             bodies.push(BodyState { level: Level { displacement, velocity, acceleration }, inner });
         }
         let fluid = setup.fluid.as_ref().map(|fluid| lists.fluid(setup, fluid)).transpose()?;

@@ -17,7 +17,7 @@ const FACES_THE_OTHER_WAY: f64 = -0.5;
 /// it, and ends nearest to a side that faces the other way, in the obstacle or behind it. Contact would then push it
 /// out there, or not act at all. `None` if there is no such vertex, and for contact of a body with itself.
 ///
-/// Motions up to the contact size are not tested: they are those of a step that resolves contact.
+/// Motions up to the contact size are not tested: steps that resolve contact have such motions.
 pub(crate) fn passage<const D: usize>(
     contact: &Contact<D>,
     setup: &Setup<D>,
@@ -45,8 +45,8 @@ pub(crate) fn passage<const D: usize>(
     contact.facets().iter().enumerate().find_map(|(index, &facet)| {
         let near = candidates.as_ref().map_or(&[][..], |of_facets| &of_facets[index]);
         boundary.facet(facet).iter().find_map(|&vertex| {
-            let begin = start[body][vertex.index()];
-            let found = project(&begin, near)?;
+            let from = start[body][vertex.index()];
+            let found = project(&from, near)?;
             let of_master = match (&found.anchor, master) {
                 (Anchor::Facet { facet, barycentric, .. }, Some(master)) => {
                     let vertices = setup.bodies[master].surface().facet(*facet).iter().zip(barycentric);
@@ -55,7 +55,7 @@ pub(crate) fn passage<const D: usize>(
                 _ => Vector::zeros(),
             };
             let path = moved(body, vertex) - of_master;
-            passes(begin, path, found, size, |x| project(x, near)).then(|| path.norm())
+            passes(from, path, found, size, |x| project(x, near)).then(|| path.norm())
         })
     })
 }

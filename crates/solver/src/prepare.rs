@@ -9,7 +9,7 @@ use body::{BodyState, BodyStep, StepTime};
 use interface_dg::{InterfacePoints, Pocket, SolidShare, UnstableShare, pockets, unstable_share};
 
 use crate::collision::Collision;
-use crate::contact_step::{ContactStep, StepParts};
+use crate::contact_step::{ContactStep, StepRefs};
 use crate::fluid_step::FluidStep;
 use crate::passage::passage;
 use crate::{Contact, Error, Setup, State, StepSeconds};
@@ -85,7 +85,7 @@ impl<'a, const D: usize> Step<'a, D> {
         let contact = |contact: &Contact<D>| {
             let name = || setup.bodies[contact.body().index()].name().to_owned();
             let missing = || Error::MissingStress { stress: contact.form().law.stress(), body: name() };
-            ContactStep::new(contact, previous, step.parts()).ok_or_else(missing)
+            ContactStep::new(contact, previous, step.refs()).ok_or_else(missing)
         };
         step.contacts = setup.contacts.iter().map(contact).collect::<Result<_, _>>()?;
         step.seconds.search = searched.elapsed().as_secs_f64();
@@ -128,9 +128,9 @@ impl<'a, const D: usize> Step<'a, D> {
     }
 
     /// Returns the parts of the step for the evaluation of contacts.
-    pub(crate) fn parts(&self) -> StepParts<'_, D> {
+    pub(crate) fn refs(&self) -> StepRefs<'_, D> {
         let (layout, bodies) = (&self.layout, &self.bodies[..]);
-        StepParts { layout, fluid: self.fluid.as_ref(), bodies, time: &self.time }
+        StepRefs { layout, fluid: self.fluid.as_ref(), bodies, time: &self.time }
     }
 
     /// Returns whether velocities jump in the step.
@@ -146,7 +146,7 @@ impl<'a, const D: usize> Step<'a, D> {
         let mut x = self.guess();
         self.constraints.apply_ties(&mut x);
         let collision =
-            |contact| Collision::new(contact, self.setup, self.previous, self.parts(), &self.constraints, &x);
+            |contact| Collision::new(contact, self.setup, self.previous, self.refs(), &self.constraints, &x);
         let found: Vec<_> = self.setup.contacts.iter().map(collision).collect();
         // If any contact collides, contacts at which nothing approaches take part in the collision.
         let approaches = found.iter().flatten().any(Collision::approaches);
@@ -201,7 +201,7 @@ impl<'a, const D: usize> Step<'a, D> {
         let positions = [&self.previous.bodies[..], ends].map(|states| self.setup.positions(states));
         let [start, end] = positions.each_ref().map(Vec::as_slice);
         for (index, (contact, step)) in self.setup.contacts.iter().zip(&self.contacts).enumerate() {
-            if let Some([motion, room]) = step.missed(contact, self.parts(), x) {
+            if let Some([motion, room]) = step.missed(contact, self.refs(), x) {
                 return Err(Error::MissedContact { contact: index, motion, room, newton: Box::new(newton.clone()) });
             }
             if let Some(motion) = passage(contact, self.setup, [start, end], step.reach) {

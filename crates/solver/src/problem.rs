@@ -44,14 +44,14 @@ impl<const D: usize> Step<'_, D> {
             contributions.push(Box::new(moved_pressure(surface.clone())));
         }
         let contacts = self.setup.contacts.iter().zip(&self.contacts);
-        let contacts: Vec<_> = contacts.map(|(contact, step)| step.sites(contact, self.parts())).collect();
+        let contacts: Vec<_> = contacts.map(|(contact, step)| step.sites(contact, self.refs())).collect();
         for sites in &contacts {
             contributions.push(Box::new(contact_work(sites.clone())));
         }
         for collision in self.collisions.iter().flatten() {
             contributions.push(Box::new(collision.clone()));
         }
-        let closed = self.parts().closed(&self.setup.contacts);
+        let closed = self.refs().closed(&self.setup.contacts);
         for (_, points) in &closed {
             contributions.push(Box::new(closed_pressure(points.clone())));
         }

@@ -153,7 +153,7 @@ impl<const D: usize> Problem<'_, D> {
         let fluid_energy = fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy);
         let contact_energy = contacts.iter().map(|contact: &ContactReport<D>| contact.stored_energy).sum();
         let states = step.setup.bodies.iter().zip(step.previous.bodies.iter().zip(ends));
-        let balances: Vec<_> = states.map(|(body, (begin, end))| [body.balance(begin), body.balance(end)]).collect();
+        let balances: Vec<_> = states.map(|(body, (start, end))| [body.balance(start), body.balance(end)]).collect();
         let ledger = self.ledger(x, &residual, ends, &balances, [fluid_energy, contact_energy]);
         let reports = ends.iter().zip(balances).enumerate();
         let mut bodies: Vec<_> = reports.map(|(b, (end, balances))| body_report(step, b, end, balances)).collect();
@@ -215,7 +215,7 @@ fn body_report<const D: usize>(
     end: &BodyState<D>,
     [before, balance]: [Option<Balance<D>>; 2],
 ) -> BodyReport<D> {
-    let (body, begin, dt) = (&step.setup.bodies[b], &step.previous.bodies[b], step.time.length);
+    let (body, start, dt) = (&step.setup.bodies[b], &step.previous.bodies[b], step.time.length);
     let positions = end.positions(body.reference());
     let height = |x: &Point<D>| x[D - 1];
     let lowest = (0..positions.len())
@@ -236,7 +236,7 @@ fn body_report<const D: usize>(
         forces,
         lowest: (lowest, at(&positions)),
         lowest_velocity: at(end.velocity()),
-        lowest_acceleration: (at(end.velocity()) - at(begin.velocity())) / dt,
+        lowest_acceleration: (at(end.velocity()) - at(start.velocity())) / dt,
         highest: positions.iter().map(height).fold(f64::NEG_INFINITY, f64::max),
     }
 }

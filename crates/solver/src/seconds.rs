@@ -5,7 +5,7 @@
 pub struct StepSeconds {
     /// Cutting the background.
     pub cut: f64,
-    /// Space, history, shape values.
+    /// Preparation except the cut.
     pub space: f64,
     /// Transfer of the history, a part of `space`.
     pub transfer: f64,

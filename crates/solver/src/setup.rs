@@ -64,14 +64,23 @@ pub struct FluidSetup<const D: usize> {
     /// `1 - α`. The mortar is stable for `α = 1`; smaller weights need a penalty that grows with stiffness and step
     /// ([`Error::UnstableShare`]).
     pub alpha: f64,
-    /// Convection: `None` for Stokes, else whether to add the skew part.
-    pub convection: Option<bool>,
+    /// Form of the convective term; `None` for Stokes flow.
+    pub convection: Option<ConvectionForm>,
     /// Force per volume.
     pub body_force: Option<TimeField<D>>,
     /// Velocity at the start; zero if `None`.
     pub initial_velocity: Option<PointField<D>>,
     /// Conditions on the tagged parts of the boundary; parts that are not listed are open.
     pub boundary: Vec<(Tag, FluidBoundary<D>)>,
+}
+
+/// Form of the convective term.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConvectionForm {
+    /// `ρ (u·∇u, v)`.
+    Standard,
+    /// `ρ (u·∇u, v) + ρ/2 (∇·u, u·v)`.
+    Skew,
 }
 
 impl<const D: usize> FluidSetup<D> {
@@ -85,7 +94,7 @@ impl<const D: usize> FluidSetup<D> {
             stabilisation: Stabilisation::STANDARD,
             film: None,
             alpha: 1.0,
-            convection: Some(false),
+            convection: Some(ConvectionForm::Standard),
             body_force: None,
             initial_velocity: None,
             boundary: Vec::new(),

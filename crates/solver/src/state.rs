@@ -58,7 +58,7 @@ impl<const D: usize> State<D> {
     /// [`StepError`] if the setup does not pass [`Setup::check`], or the surfaces cannot cut the background.
     pub fn initial(setup: &Setup<D>) -> Result<Self, StepError> {
         setup.check().map_err(|source| StepError::at(0, 0.0, source))?;
-        let bodies = setup.bodies.iter().map(|body| body.start()).collect();
+        let bodies = setup.bodies.iter().map(|body| body.initial()).collect();
         let mut state = Self { step: 0, time: 0.0, fluid: None, bodies, contact_energy: 0.0 };
         if let Some(fluid) = &setup.fluid {
             let positions = setup.positions(&state.bodies);

@@ -50,7 +50,7 @@ impl<const D: usize> Surfaces<'_, D> {
 
     /// Returns `a - ∇u w` with the acceleration `a` of the body of an interface piece and the velocity `w` with which
     /// its surface moves: `∂u/∂t` at a fixed point, for a fluid of velocity `u` that moves with the body. Requires
-    /// `ahead != 0`.
+    /// `lead != 0`.
     pub(crate) fn accelerations(&self, item: usize, velocity: &[Vector<D>]) -> OnFacet<D> {
         let piece = &self.cut.interface()[item];
         let nodes = self.space.dofs(piece.part).iter().zip(self.parts.gradients(piece.part));

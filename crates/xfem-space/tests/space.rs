@@ -110,7 +110,7 @@ fn a_strip_that_ends_inside_a_cell_doubles_only_what_it_separates() {
 
 #[test]
 fn a_body_over_whole_cells_leaves_no_dofs_inside() {
-    // Three vertices in a row lie strictly inside with all their cells covered or cut: only the centre has no part.
+    // Three by three vertices lie inside the body. Only the cells of the centre are all covered.
     assert_eq!(n_dofs(&grid(4), &[[0.2, 0.2, 0.8, 0.8]]), 24);
     // A body over everything leaves nothing.
     assert_eq!(n_dofs(&grid(4), &[[-0.2, -0.2, 1.2, 1.2]]), 0);
@@ -159,7 +159,7 @@ fn jumps_vanish_on_linear_functions_and_shapes_sum_to_one() {
 
 #[test]
 fn the_boundary_binds_only_dofs_that_touch_it() {
-    // A plate on the bottom: its vertices are buried; the bottom binds nothing.
+    // A plate on the bottom covers its vertices: no dof is bound there.
     let background = grid(4);
     let cut = cut_by_rectangles(&background, &[[0.0, 0.0, 1.0, 0.1]]);
     let space = XfemSpace::new(&background, &cut);
@@ -196,7 +196,7 @@ fn a_body_that_moves_far_uncovers_its_old_place() {
     let values = vec![Vector::<2>::new(1.0, 2.0); old_space.len()];
     let moved = Sources::between(&background, &old_cut, &old_space, &new_cut, &new_space);
     let carried = moved.carry(&values);
-    // The vertices with x and y in 0.2, 0.3, 0.4 had no part; those whose cells were all covered are uncovered.
+    // Vertices at 0.2, 0.3, 0.4 were in the body. Only those whose cells were all covered are uncovered.
     let uncovered: Vec<P> = (0..new_space.len())
         .filter(|&k| moved.earlier_dofs()[k].is_none())
         .map(|k| background.vertex(new_space.vertex(k as u32)))

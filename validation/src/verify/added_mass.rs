@@ -129,7 +129,7 @@ fn acceleration(h: f64, is_rigid: bool, n_steps: usize, of: &str) -> Result<f64,
 /// Makes a rigid body of the half ball, held on its plane of symmetry.
 fn make_rigid(setup: &mut Setup<2>) -> Result<(), Failure> {
     let ball = &setup.bodies[0];
-    let start = ball.start();
+    let start = ball.initial();
     let balance = ball.balance(&start).ok_or("the ball is elastic")?;
     let density = balance.mass / balance.volume;
     let gravity = balance.body_force / balance.mass;

@@ -10,7 +10,7 @@ use cutwater::mesh::{Coordinates, SimplexMesh};
 use cutwater::solid_rigid::RigidBody;
 use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff};
 use cutwater::solver::body::{Body, PrescribedBody, TimeField};
-use cutwater::solver::{FluidBoundary, Setup, StepReport};
+use cutwater::solver::{ConvectionForm, FluidBoundary, Setup, StepReport};
 
 use super::dry::{self, Elastic, Scheme, elastic, pushed, second_order};
 use super::flow::{Errors, Flow, Known, boundary, fluid, fluid_mut, force, problem};
@@ -327,7 +327,7 @@ fn wake(record: &mut Record) -> Result<(), Failure> {
     setup.scheme = Arc::new(ImplicitEuler);
     let fluid = fluid_mut(&mut setup)?;
     (fluid.material.density, fluid.material.viscosity) = (1.0, 0.02);
-    fluid.convection = Some(false);
+    fluid.convection = Some(ConvectionForm::Standard);
     fluid.initial_velocity = Some(Arc::new(|_| V::new(0.0, 1.0)));
     setup.bodies.push(moving(sphere(0.0, 1.0, h), |x, _| *x, Arc::new(|_, _| V::zeros())));
     let mut run = Run::lagged(setup)?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use cutwater::algebra::time::QuasiStatic;
 use cutwater::algebra::{NewtonSettings, Workspace};
 use cutwater::mesh::generate::structured_box;
-use cutwater::solver::{FluidBoundary, Observer, ObserverError, Setup, State, StepView, TimeLoop};
+use cutwater::solver::{ConvectionForm, FluidBoundary, Observer, ObserverError, Setup, State, StepView, TimeLoop};
 
 use super::flow::{fluid, fluid_of, problem, wet};
 use super::signal::{negative, peak};
@@ -79,7 +79,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 fn steady(cells: usize) -> Result<([f64; 3], Increments), Failure> {
     let background = structured_box::<2>([0.0, 0.0], [1.0, 1.0], [cells, cells])?;
     let mut fluid = fluid(background, 1.0, 1.0 / REYNOLDS);
-    fluid.convection = Some(false);
+    fluid.convection = Some(ConvectionForm::Standard);
     for side in ["left", "right", "bottom", "top"] {
         let tag = fluid.background.tag(side).ok_or("a side has no name")?;
         let lid = FluidBoundary::Velocity(Arc::new(|_: &P, speed| V::new(speed, 0.0)));

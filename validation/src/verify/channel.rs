@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::{Region, RegionShape, Size, refined_box};
-use cutwater::solver::{FluidBoundary, Setup, State};
+use cutwater::solver::{ConvectionForm, FluidBoundary, Setup, State};
 
 use super::flow::{self, fluid_of, force, interface, polygon, wet};
 use super::{Failure, P, Run, V};
@@ -126,7 +126,7 @@ impl Channel {
     /// Returns the setup of the flow from rest, in one long step. A function of time multiplies the inflow.
     pub(super) fn setup(&self, resolution: &Resolution, factor: fn(f64) -> f64) -> Result<Setup<2>, Failure> {
         let mut fluid = flow::fluid(self.background(resolution)?, self.density, self.viscosity);
-        fluid.convection = Some(false);
+        fluid.convection = Some(ConvectionForm::Standard);
         let channel = *self;
         let inflow = FluidBoundary::Velocity(Arc::new(move |x: &P, t| V::new(factor(t) * channel.inflow(x[1]), 0.0)));
         // The traction of the developed flow in the form with the symmetric gradient: the condition "do nothing" of the

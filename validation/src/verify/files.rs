@@ -37,7 +37,7 @@ pub(super) fn check(out: &Path) -> Outcome {
 #[derive(Serialize)]
 struct Content {
     cells: usize,
-    /// Sum of their areas, without the lengths of lines.
+    /// Sum of the areas of the polygons, if there are some.
     #[serde(skip_serializing_if = "Option::is_none")]
     area: Option<f64>,
 }

@@ -11,7 +11,8 @@ use cutwater::mesh::{BoundaryMesh, SimplexMesh, VertexId};
 use cutwater::solid_rigid::RigidBody;
 use cutwater::solver::body::{Body, ParticleVelocity, PrescribedBody, TimeField};
 use cutwater::solver::{
-    FluidBoundary, FluidReport, FluidSetup, FluidState, Setup, Stabilisation, State, StepReport, Substep, advance,
+    ConvectionForm, FluidBoundary, FluidReport, FluidSetup, FluidState, Setup, Stabilisation, State, StepReport,
+    Substep, advance,
 };
 use cutwater::xfem_space::PartValues;
 
@@ -69,7 +70,7 @@ impl<F: Flow> Known<F> {
             boundary.push((tag, condition));
         }
         let fluid = FluidSetup {
-            convection: self.convects.then_some(false),
+            convection: self.convects.then_some(ConvectionForm::Standard),
             body_force: Some(Arc::new(move |x, t| forcing.force(x, t))),
             initial_velocity: Some(Arc::new(move |x| at_start.velocity(x, 0.0))),
             boundary,

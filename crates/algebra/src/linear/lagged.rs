@@ -102,14 +102,14 @@ impl LaggedSolver {
         self.n_fallbacks += usize::from(base.factors.is_pivoting());
         self.base = Some(base);
         self.must_factorize = false;
-        self.patch.is_base(n);
+        self.patch.set_to_base(n);
         Ok(())
     }
 }
 
 impl Patch {
     /// Records that the present matrix, of size `n`, is the matrix of the base.
-    fn is_base(&mut self, n: usize) {
+    fn set_to_base(&mut self, n: usize) {
         self.to_base.clear();
         self.to_base.extend(0..n as u32);
         for ratio in [&mut self.row_ratio, &mut self.column_ratio] {

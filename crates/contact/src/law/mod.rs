@@ -25,8 +25,9 @@ pub struct ContactPoint {
     /// Slip over the step along each tangent, a length: displacement of the slave's point relative to its closest
     /// point.
     pub slip: [f64; 2],
-    /// Traction `σ n` on the slave's surface, `n` out of the slave, or the multiplier, in the frame of the point. It is
-    /// a force per area at the start of the step. Zero if the law does not depend on a stress ([`ContactLaw::stress`]).
+    /// Traction `σ n` on the slave's surface, `n` out of the slave, or the multiplier, in the frame of the point, per
+    /// area of the surface at the start of the step. Zero if the law does not depend on a stress
+    /// ([`ContactLaw::stress`]).
     pub stress: Local,
     /// Stiffness of the slave's cell divided by its height, `(2 μ + λˢ)/h` for linear elements, force per volume. Zero
     /// if the law does not depend on a stress.

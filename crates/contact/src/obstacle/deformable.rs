@@ -127,7 +127,7 @@ impl<const D: usize> DeformableObstacle<D> {
                 continue;
             }
             let foot = Foot::on_facet(x, points);
-            if best.as_ref().is_none_or(|(_, known)| foot.beats(known)) {
+            if best.as_ref().is_none_or(|(_, known)| foot.is_preferred_to(known)) {
                 best = Some((facet, foot));
             }
         }

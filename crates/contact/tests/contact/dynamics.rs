@@ -25,7 +25,7 @@ fn bar_hits_the_floor() {
     let form = ContactForm::new(PenaltyLaw::new(1e4, 0.0).unwrap(), SIZE).unwrap();
     let plane = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).unwrap();
     let facets = tagged_facets(bodies[0].solid(), "bottom").unwrap();
-    let mut states = vec![bodies[0].start()];
+    let mut states = vec![bodies[0].initial()];
     let n_steps = 1100;
     let (mut impulse, mut plateau, mut last_contact) = (0.0, Vec::new(), 0.0);
     for k in 1..=n_steps {

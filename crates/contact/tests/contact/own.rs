@@ -40,11 +40,11 @@ fn part_of_square(contains: impl Fn(Point<2>) -> bool) -> ElasticBody<2> {
     ElasticBody::new("clamp", solid, form, ElasticOptions::default()).unwrap()
 }
 
-/// Returns the clamp with its jaws bent towards each other, so that the slit is lower by `closed` at its open end.
-fn bent(body: &ElasticBody<2>, closed: f64) -> BodyState<2> {
+/// Returns the clamp with its jaws bent towards each other; `narrowing` is that of the slit at its open end.
+fn bent(body: &ElasticBody<2>, narrowing: f64) -> BodyState<2> {
     let bend = |x: &Point<2>| {
         let arm = (x[0] - 0.2).max(0.0) / 0.8;
-        Vector::<2>::new(0.0, -0.5 * closed * arm * arm * (x[1] - 0.5).signum())
+        Vector::<2>::new(0.0, -0.5 * narrowing * arm * arm * (x[1] - 0.5).signum())
     };
     let displacement: Vec<_> = body.reference().iter().map(bend).collect();
     let velocity = vec![Vector::zeros(); displacement.len()];
@@ -101,7 +101,7 @@ fn penalty() -> PenaltyLaw {
 
 #[test]
 fn an_open_clamp_does_not_touch_itself() {
-    // Neighbours along the surface, corners, and the two sides of a jaw are in reach.
+    // Neighbours along the surface and the two sides of a jaw are near, but exempt.
     closed_clamp(0.0, penalty(), |contact, _, x| {
         assert_eq!(work(contact.clone()).len(), 0);
         assert_eq!(report_of(contact, x).minimum_gap, None);

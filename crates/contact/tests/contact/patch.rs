@@ -55,7 +55,7 @@ const PUSHED: f64 = 0.05;
 fn pushed_block(law: impl ContactLaw + 'static) -> (ContactReport<2>, Vec<(Point<2>, Vector<2>)>, usize) {
     let supports = vec![("left", SupportKind::symmetry(0)), ("top", pushed_by(-PUSHED))];
     let bodies = [block([0.0, 0.0], [1.0, 1.0], [4, 3], soft(), supported(supports))];
-    let states = [bodies[0].start()];
+    let states = [bodies[0].initial()];
     let scene = Scene::new(&bodies, &states, &QuasiStatic, 1.0);
     let form = ContactForm::new(law, SIZE).unwrap();
     let plane = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).unwrap();
@@ -128,7 +128,7 @@ fn two_blocks<const D: usize>(order: Order, gamma: Option<f64>, n_slave: usize, 
         ),
         block_of(order, (above(0.0), below(1.0)), [n_master; D], soft(), supports(("bottom", pushed_by(0.0)))),
     ];
-    let states: Vec<BodyState<D>> = bodies.iter().map(Body::start).collect();
+    let states: Vec<BodyState<D>> = bodies.iter().map(Body::initial).collect();
     let scene = Scene::new(&bodies, &states, &QuasiStatic, 1.0);
     let form = match gamma {
         Some(gamma) => ContactForm::new(PenaltyLaw::new(gamma, 0.0).unwrap(), SIZE),

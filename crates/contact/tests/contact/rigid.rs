@@ -42,7 +42,7 @@ fn over_ground_of<const D: usize>(order: Order, height: f64, law: impl ContactLa
     max[D - 1] = height + 1.0;
     let n = [4 - order.degree(); D];
     let bodies = [block_of(order, (min, max), n, soft(), with_velocity(Vector::zeros()))];
-    let states: [BodyState<D>; 1] = [bodies[0].start()];
+    let states: [BodyState<D>; 1] = [bodies[0].initial()];
     let scene = Scene::new(&bodies, &states, &ImplicitEuler, DT);
     let form = ContactForm::new(law, SIZE).unwrap();
     let facets: Vec<_> = bodies[0].surface().facets().collect();

@@ -46,7 +46,7 @@ impl<'a, const D: usize> Scene<'a, D> {
         obstacle: &'s dyn Obstacle<D>,
     ) -> ContactPair<'s, D> {
         let [slave, master] = [0, 1].map(|k| self.steps.get(k).map(|step| step.surface()));
-        let positions = slave.map_or(&[][..], |slave| &slave.begin);
+        let positions = slave.map_or(&[][..], |slave| &slave.start);
         let stress = self.steps[0].stress(&self.layout, positions).filter(|_| form.law.stress() != StressSource::None);
         ContactPair {
             form,
@@ -101,7 +101,7 @@ impl<'a, const D: usize> Scene<'a, D> {
 /// Returns the report of a contact whose shifted positions are those at the end.
 pub(crate) fn report_of<const D: usize>(sites: &ContactSites<'_, D>, x: &[f64]) -> ContactReport<D> {
     let positions = |surface: &SurfaceMotion<'_, D>| {
-        let vertices = (0..surface.begin.len()).map(VertexId::new);
+        let vertices = (0..surface.start.len()).map(VertexId::new);
         vertices.map(|vertex| surface.position_at(vertex, sites.layout, x)).collect::<Vec<_>>()
     };
     let master = sites.pair.master.map(positions).unwrap_or_default();

@@ -54,14 +54,14 @@ fn lines(found: &MeshStatistics) -> Vec<String> {
     }
     let notes = [
         (found.n_open, "sides of the surface have not exactly one neighbour: it is open, or branches"),
-        (found.n_turned, "cells had their nodes in the order of a negative volume, and were turned"),
+        (found.n_turned, "cells had a negative volume; the order of their nodes was reversed"),
         (found.n_inside, "elements of groups lie inside, not on the boundary, and have no effect"),
-        (found.n_ambiguous, "elements are in several groups, of which the first one counts"),
+        (found.n_ambiguous, "elements are in several groups; the first one is used"),
     ];
     lines.extend(notes.iter().filter(|(n, _)| *n > 0).map(|(n, note)| format!("note        {n} {note}")));
     if let Some(place) = &found.first_folded {
         lines.push(format!(
-            "note        {} cells of order 2 are folded by their curved edges, the first one near {place:?}: elements of order 2 cannot use them; straighten the edges there",
+            "note        {} cells of order 2 are folded by their curved edges, the first one near {place:?}: such cells are refused for order 2; straighten the edges there",
             found.n_folded
         ));
     }

@@ -84,7 +84,7 @@ fn stop_by_signal() -> &'static AtomicBool {
         if STOP.swap(true, Ordering::Relaxed) {
             std::process::exit(INTERRUPTED.into());
         }
-        warn("stopping after this step; once more to stop at once");
+        warn("stopping after this step; Ctrl-C again to quit now");
     };
     // Without a handler, an interrupt ends the program at once.
     let _ = ctrlc::set_handler(stop);
@@ -258,6 +258,14 @@ fn print_summary(summary: &Summary, directory: &str, print_line: &mut dyn FnMut(
             0.5 * summary.dt
         ));
     }
+    if let Some(lost) = summary.energy_lost_in_contact.filter(|lost| *lost > MUCH_ENERGY) {
+        print_line(&format!(
+            "  warning: the time scheme took {:.0} % of the largest energy of the run from bodies in contact, which rebound too slowly; halve the step, \
+             first with `--set time.step={:?}`, until `energy_lost_in_contact` in summary.json is small",
+            100.0 * lost,
+            0.5 * summary.dt
+        ));
+    }
     contact_lines(summary).iter().for_each(|line| print_line(line));
 }
 
@@ -273,7 +281,7 @@ fn overlap(summary: &Summary) -> Option<String> {
     })
 }
 
-/// Energy that steps generate, relative to the energies of the run, above which the summary warns.
+/// Energy that steps generate, or lose in contact, relative to the energies of the run, above which the summary warns.
 const MUCH_ENERGY: f64 = 0.05;
 /// Share of divided steps at and above which the summary advises a shorter step.
 const MANY: f64 = 0.05;

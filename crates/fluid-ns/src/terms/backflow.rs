@@ -9,7 +9,7 @@ use crate::OpenPoint;
 ///
 /// Source: Bazilevs et al. 2009, DOI 10.1016/j.cma.2009.04.015; not in the paper, although fluid enters through its
 /// open sides.
-/// Couples: velocity × velocity.   Domain: wet pieces of the zero-traction boundary.
+/// Couples: velocity × velocity.   Domain: wet pieces of open sides, with convection.
 /// Units: force (2D: per unit depth).
 pub struct Backflow {
     /// Density `ρ^f`.

@@ -1,4 +1,4 @@
-//! The mortaring terms, one per file.
+//! Terms on the interface, one per file.
 
 mod adjoint_consistency;
 mod closed_pressure;

@@ -75,7 +75,7 @@ impl Fixture {
         let surface = SurfaceMotion {
             boundary: &boundary,
             geometry: self.body.vertices().to_vec(),
-            begin: self.body.vertices().to_vec(),
+            start: self.body.vertices().to_vec(),
             end: Affine { slope: 1.0, predicted: self.body.vertices().to_vec() },
             stage: None,
             velocity: if elastic {

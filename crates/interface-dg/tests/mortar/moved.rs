@@ -109,7 +109,7 @@ fn with_moved_body<const D: usize>(
     let at_stage: Vec<Point<D>> = predicted.iter().zip(&velocity).map(|(x, v)| x + v * DT).collect();
     let surface = SurfaceMotion {
         boundary,
-        begin: geometry.clone(),
+        start: geometry.clone(),
         end: Affine { slope: 0.0, predicted: geometry.clone() },
         stage: Some(Affine { slope: DT, predicted }),
         geometry: geometry.clone(),
@@ -250,7 +250,7 @@ fn at_the_cut<'s, const D: usize>(surface: &SurfaceMotion<'s, D>) -> SurfaceMoti
     SurfaceMotion {
         boundary: surface.boundary,
         geometry: surface.geometry.clone(),
-        begin: surface.begin.clone(),
+        start: surface.start.clone(),
         end: surface.end.clone(),
         stage: None,
         velocity: SurfaceVelocity::Field(surface.field().expect("unknown velocities")),
@@ -297,7 +297,7 @@ fn pressure_on_wet_and_closed_parts<const D: usize>(body: &Moved<'_, D>) {
         assert!((hydrostatic - slope * volume).amax() < 1e-12 && volume > 0.1, "{hydrostatic} {volume}");
     }
     let closed = closed_pressure(interface, Vector::repeat(0.7));
-    // Weights cancel on facets that are mostly wet. Forces are quadratic: differences over a large step are exact.
+    // On mostly wet facets the weights cancel up to round-off. Forces are quadratic: a large difference step is exact.
     let worst = worst_tangent_entry(&closed, 0..closed.len(), x, 0.1);
     assert!(worst.relative < 1e-8, "{D} {coordinates:?} {worst:?}");
 }

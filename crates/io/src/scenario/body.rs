@@ -30,7 +30,8 @@ keys! {
         shape: At<Shape>,
         /// Shift of the shape from its place.
         shift: Option<Components<f64>> [unit(Quantity::LENGTH)],
-        /// Shifts of further bodies that are like this one otherwise, named `NAME-2`, `NAME-3` and so on.
+        /// Shifts of further bodies that are like this one otherwise, named `NAME-2`, `NAME-3` and so on. Centres of
+        /// rotation are shifted, too.
         copies: Vec<Components<f64>> [unit(Quantity::LENGTH)],
         /// Motion of a body that does not deform; without one the body is elastic.
         motion: Option<At<MotionChoice>>,

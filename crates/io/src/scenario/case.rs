@@ -123,7 +123,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         approach: time.approach.as_ref().map(|of| ApproachSteps { fraction: of.fraction, smallest: of.smallest }),
         newton: scenario.solver.newton.settings(),
     };
-    let starts: Vec<_> = setup.bodies.iter().map(|body| body.start()).collect();
+    let starts: Vec<_> = setup.bodies.iter().map(|body| body.initial()).collect();
     let positions = setup.positions(&starts);
     let mut bottom = 0.0;
     if let Some(fluid) = &setup.fluid {
@@ -422,7 +422,8 @@ fn check_displaced<const D: usize>(
         let step = StepTime::new(&ImplicitEuler, time, time.max(setup.dt), true);
         let of_body = |k: &usize| {
             let (body, mut layout) = (&setup.bodies[*k], BlockLayout::new());
-            let positions = body.step(&body.start(), &step, &mut layout).end(&layout, &[]).positions(body.reference());
+            let positions =
+                body.step(&body.initial(), &step, &mut layout).end(&layout, &[]).positions(body.reference());
             let surface = Placed::new(body.surface(), &positions);
             CutMesh::overlay(background, &[surface], &fluid.overlay).ok().map(|cut| whole - fluid_volume(&cut))
         };
@@ -468,7 +469,7 @@ fn respect_symmetry<const D: usize>(
         }
     }
     for (given, Built { body, contact_facets, part_names }) in bodies.iter().zip(built) {
-        let positions = body.start().positions(body.reference());
+        let positions = body.initial().positions(body.reference());
         let on_plane = |facet: FacetId| {
             let vertices = body.surface().facet(facet);
             planes.iter().find(|plane| vertices.iter().all(|v| plane.contains(&positions[v.index()])))

@@ -88,7 +88,7 @@ choices! {
         /// the fluid, and `γ_C = γ_0 (2 μ + λ)/h` of the slave's cell of height `h`. Bodies in contact have the
         /// distance `ε`, without the error of a penalty. The slave is elastic.
         Nitsche = "nitsche" {
-            /// Number `γ_0`. It must be above 2 in the plane and 3 in space, times the number of facets of a cell that
+            /// Number `γ_0`. It must be above 2 in 2D and 3 in 3D, times the number of facets of a cell that
             /// lie on the surface. Larger numbers hardly change results.
             gamma_0: f64 [positive] = 10.0,
             /// Coefficient of Coulomb friction: the tangential traction is at most this number times the pressure.

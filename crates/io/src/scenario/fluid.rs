@@ -5,7 +5,7 @@ use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
 use mesh::{Coordinates, FacetId, Placed, Tag, Vector};
 use solver::interface_dg::terms::PenaltyProfile;
-use solver::{FilmSetup, FluidBoundary, FluidSetup, Stabilisation};
+use solver::{ConvectionForm, FilmSetup, FluidBoundary, FluidSetup, Stabilisation};
 
 use super::background::{Background, background};
 use super::body::BodyKeys;
@@ -239,8 +239,8 @@ pub(super) fn fluid<const D: usize>(
             .map(|film| FilmSetup { roughness: film.roughness, floor: film.floor.as_deref().copied() }),
         alpha,
         convection: match fluid.convection {
-            ConvectionChoice::Standard => Some(false),
-            ConvectionChoice::Skew => Some(true),
+            ConvectionChoice::Standard => Some(ConvectionForm::Standard),
+            ConvectionChoice::Skew => Some(ConvectionForm::Skew),
             ConvectionChoice::None => None,
         },
         body_force,

@@ -135,7 +135,7 @@ pub(super) fn probes<const D: usize>(
             }
             ProbeChoice::StrainEnergy { body } => {
                 let index = find(body)?;
-                let is_elastic = setup.bodies[index].cells(&setup.bodies[index].start()).is_some();
+                let is_elastic = setup.bodies[index].cells(&setup.bodies[index].initial()).is_some();
                 if !is_elastic {
                     return Err(body
                         .at

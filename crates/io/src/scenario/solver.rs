@@ -123,7 +123,7 @@ impl Solver {
             Some(linear) => (linear.clone(), "given in the scenario"),
             None if dimension > 2 && n_unknowns > LARGE_IN_SPACE => (
                 gmres(Preconditioner::BlockGaussSeidel),
-                "a fluid in space with more than 50000 unknowns makes large factors",
+                "a fluid in 3D with more than 50000 unknowns makes large factors",
             ),
             None => (gmres(Preconditioner::LaggedLu), "matrices change little from step to step"),
         }
@@ -135,7 +135,7 @@ keys! {
     pub struct Newton {
         /// Relative tolerance.
         tolerance: f64 [between(1e-16, 0.1)] = 1e-8,
-        /// Largest number of corrections in a step.
+        /// Largest number of corrections per solve.
         max_iterations: usize [between(1.0, f64::INFINITY)] = 30,
     }
 }

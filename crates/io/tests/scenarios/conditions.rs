@@ -52,7 +52,7 @@ fn fields_are_numbers_or_formulas_of_position_and_time() {
     let displaced = "body.0.initial_displacement=[\"0.1*x\", \"0.2\"]";
     let case = problem(BARRIER, &[&COARSE_BALL, &[displaced]]);
     let body = &case.setup.bodies[0];
-    for (x, displacement) in body.reference().iter().zip(body.start().displacement()) {
+    for (x, displacement) in body.reference().iter().zip(body.initial().displacement()) {
         assert!((displacement - Vector::<2>::new(0.1 * x[0], 0.2)).norm() < 1e-15);
     }
 }
@@ -99,7 +99,7 @@ fn symmetry_and_inflow_take_their_direction_from_the_facets() {
     // The diameter of the half ball is a plane of symmetry, its arc is not plane.
     let case = problem(BARRIER, &[&COARSE_BALL]);
     let (body, mut layout, mut held) = (&case.setup.bodies[0], BlockLayout::new(), Constraints::new());
-    let start = body.start();
+    let start = body.initial();
     body.step(&start, &StepTime::new(&ImplicitEuler, 1.0, 1.0, true), &mut layout).constrain(&layout, &mut held);
     let velocity = layout.fields().next().unwrap_or_else(|| panic!("a velocity"));
     for (node, x) in body.reference().iter().enumerate() {
@@ -310,7 +310,7 @@ fn axisymmetric_coordinates_make_a_ball_of_a_half_disk() {
     let (body, fluid) = (&case.setup.bodies[0], case.setup.fluid.as_ref().unwrap_or_else(|| panic!("a fluid")));
     assert!(fluid.background.coordinates().radial().is_some() && body.surface().coordinates().radial().is_some());
     // The ball of the case has the radius 4 and the density 1; its polygon lies inside of the circle.
-    let mass = body.balance(&body.start()).map_or(0.0, |balance| balance.mass);
+    let mass = body.balance(&body.initial()).map_or(0.0, |balance| balance.mass);
     let whole = 4.0 / 3.0 * std::f64::consts::PI * 64.0;
     assert!(mass < whole && mass > 0.9 * whole, "{mass} {whole}");
     let expect = |set: &str, words: &[&str]| refused(BARRIER, &[&COARSE_BALL, &sets, &[set]], words);

@@ -52,7 +52,7 @@ fn setup(text: &str) -> Setup<2> {
 /// Returns mass and volume of the first body at the start.
 fn mass_and_volume<const D: usize>(setup: &Setup<D>) -> (f64, f64) {
     let body = &setup.bodies[0];
-    let mass = body.balance(&body.start()).expect("an elastic body").mass;
+    let mass = body.balance(&body.initial()).expect("an elastic body").mass;
     (mass, Placed::new(body.surface(), body.reference()).enclosed().volume)
 }
 

@@ -455,7 +455,7 @@ fn curved_volume<const D: usize>(found: &GmshMesh<D>, group: &str) -> f64 {
         || -> Arc<dyn Material<D>> { Arc::new(SaintVenantKirchhoff::new(LameParameters { mu: 1.0, lambda: 1.0 })) };
     let form = SolidForm::of_groups(vec![(1e-15, material()), (1.0, material())], Vector::zeros()).expect("a form");
     let body = ElasticBody::new("body", solid, form, ElasticOptions::default()).expect("a body");
-    body.balance(&body.start()).expect("a balance").mass
+    body.balance(&body.initial()).expect("a balance").mass
 }
 
 fn check_numbers<const D: usize>(numbers: &Numbers) {

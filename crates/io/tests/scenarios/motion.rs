@@ -63,14 +63,14 @@ fn expect(motion: &str, more: &str, on: &str, key: &str, words: &[&str]) {
 fn moved(file: &ScenarioFile, t: f64) -> Vec<[Point<2>; 3]> {
     let case = planar_case(file);
     let body = &case.setup.bodies[0];
-    let (start, mut layout) = (body.start(), BlockLayout::new());
+    let (start, mut layout) = (body.initial(), BlockLayout::new());
     let time = StepTime::new(&ImplicitEuler, t, t, true);
     let step = body.step(&start, &time, &mut layout);
     assert!(layout.is_empty() && step.surface().end.slope == 0.0);
     let end = step.end(&layout, &[]);
     let positions = end.positions(body.reference());
     assert_eq!(step.surface().end.predicted, positions);
-    assert_eq!(step.surface().begin, start.positions(body.reference()));
+    assert_eq!(step.surface().start, start.positions(body.reference()));
     let vertices = body.reference().iter().zip(&positions).zip(end.velocity());
     let at = |((reference, x), v): ((&Point<2>, &Point<2>), &Point<2>)| {
         assert_eq!(body.given_velocity(x, t), Some(*v));

@@ -117,7 +117,6 @@ fn contacts_that_do_not_carry_a_weight_in_fluid_are_warnings() {
     assert!(!lines(&text, &["fluid.film.roughness=0.005"]).iter().any(|line| line.starts_with("warning")));
 }
 
-/// Makes energy by the pressure on an elastic disk, an error of second order in the step in the sum over all steps.
 /// Two halves of a square that share an edge, but no vertex.
 #[test]
 fn a_torn_body_is_a_warning() {
@@ -193,6 +192,7 @@ fn a_body_does_not_begin_behind_its_wall() {
     refused(&text, &[&["body.1.shape.centre=[0.7, 0.05]"]], &["contact.obstacle", "`stone`", "behind this obstacle"]);
 }
 
+/// Checks the energy that the pressure on an elastic disk makes: an error of second order, summed over all steps.
 #[test]
 fn the_energy_that_steps_generate_falls_with_the_step() {
     let changes = [

@@ -203,7 +203,7 @@ fn insert(points: &mut Vec<[f64; 2]>, h: &impl Fn([f64; 2]) -> f64) -> Result<()
     }
 }
 
-/// Moves every free point to the centroid of its triangles, weighted by their area relative to the specified size.
+/// Moves every free point to the mean of the centroids of its triangles, with the weights area over `h³`.
 fn smooth(points: &mut [[f64; 2]], n_fixed: usize, h: &impl Fn([f64; 2]) -> f64) -> Result<(), Error> {
     let mut sums = vec![[0.0; 3]; points.len()];
     for triangle in triangles(points)? {

@@ -61,7 +61,7 @@ impl<const D: usize> Foot<D> {
         let mut best = Self::on_vertex(x, points, 0);
         for face in 1..whole {
             if let Some(foot) = Self::on_face(x, points, face)
-                && foot.beats(&best)
+                && foot.is_preferred_to(&best)
             {
                 best = foot;
             }
@@ -84,7 +84,7 @@ impl<const D: usize> Foot<D> {
     /// Returns whether this point is closer, or equally close and on a feature of higher dimension. A point over the
     /// common edge of two coplanar facets thus has its closest point on a facet.
     #[inline]
-    pub fn beats(&self, other: &Self) -> bool {
+    pub fn is_preferred_to(&self, other: &Self) -> bool {
         let tolerance = TIE * other.squared_distance;
         self.squared_distance < other.squared_distance - tolerance
             || (self.squared_distance <= other.squared_distance + tolerance

@@ -19,7 +19,7 @@ pub struct ClosestPoint<const D: usize> {
 
 impl<const D: usize> ClosestPoint<D> {
     /// Returns a radius around `x`, the point whose closest point this is, within which all equally close facets lie;
-    /// see [`Foot::beats`].
+    /// see [`Foot::is_preferred_to`].
     pub fn reach(&self, x: &Point<D>) -> f64 {
         (self.point - x).norm() * (1.0 + TIE)
     }

@@ -1,7 +1,7 @@
 //! The terms of a rigid body, one file each.
 
 mod momentum;
-mod variable_weight;
+mod variable_gravity;
 
 pub use momentum::Momentum;
-pub use variable_weight::VariableWeight;
+pub use variable_gravity::VariableGravity;

@@ -6,7 +6,7 @@ use mesh::{Tensor, area_vector};
 use crate::SolidFacet;
 use crate::cell::row;
 
-/// `(p n, w)_{Γ(d)} = (p J F⁻ᵀ N, w)_{Γ̂}`: a pressure `p` that presses along the current normal
+/// `(p n, v)_{Γ(d)} = (p J F⁻ᵀ N, v)_{Γ̂}`: a pressure `p` from outside, against the current normal `n`
 ///
 /// Source: follower load; Bonet, Wood 1997, Nonlinear Continuum Mechanics for Finite Element Analysis, Sec. 6.5.
 /// Couples: solid velocity × solid velocity.   Domain: given boundary facets, current configuration.
@@ -14,7 +14,8 @@ use crate::cell::row;
 /// With the tangents `a_k = ∂x/∂ξ_k` at a quadrature point of weight w in the local coordinates ξ, the area vector is
 /// multilinear, `A_c = det(e_c, a_1, .., a_{D-1})`:
 ///   residual_i = p w N_i A,    column b of tangent_ij = c_d p N_i (w Σ_k ∂N_j/∂ξ_k ∂A/∂a_k · e_b + N_j ∂w/∂x_b A)
-/// where the second term is that of axisymmetric coordinates, in which the weight `w ~ x_R` depends on the position.
+/// where `c_d` is [`SolidFacet::displacement_slope`]. The second term is that of axisymmetric coordinates, in which the
+/// weight `w ~ x_R` depends on the position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FollowerPressure {
     /// Pressure from outside.

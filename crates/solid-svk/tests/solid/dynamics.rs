@@ -123,7 +123,7 @@ fn tractions_are_those_of_position_and_time_of_the_stage() {
     let options =
         ElasticOptions { loads: vec![Load::traction(facets, Arc::new(traction))], ..ElasticOptions::default() };
     let body = ElasticBody::new("body", mesh, weightless(), options).unwrap();
-    let (start, mut layout) = (body.start(), BlockLayout::new());
+    let (start, mut layout) = (body.initial(), BlockLayout::new());
     let step = body.step(&start, &StepTime::new(&GeneralisedAlpha::new(0.5).unwrap(), 5.0, 3.0, false), &mut layout);
     let all = step.loads(&layout);
     let load = all.iter().find(|all| all.name() == "solid traction").unwrap();
@@ -190,7 +190,7 @@ fn layers_have_their_density_and_material(order: Order) {
         support("top", SupportKind::Displacement(pulled)),
     ];
     let body = ElasticBody::new("body", solid, form, ElasticOptions { supports, ..ElasticOptions::default() }).unwrap();
-    let (start, mut layout) = (body.start(), BlockLayout::new());
+    let (start, mut layout) = (body.initial(), BlockLayout::new());
     layout.push("other", 5, 1);
     let step = body.step(&start, &StepTime::new(&QuasiStatic, 1.0, 1.0, true), &mut layout);
     let mut constraints = Constraints::new();

@@ -46,10 +46,10 @@ impl<'m, const D: usize> Fixture<'m, D> {
 
     fn hold(&self, vertices: Vec<VertexId>, kind: SupportKind<D>, constraints: &mut Constraints) {
         let rest = at_rest(self.mesh);
-        let begin = BodyState::new(rest.displacement, rest.velocity);
+        let start = BodyState::new(rest.displacement, rest.velocity);
         Support { vertices, kind }.constrain(
             self.cells(),
-            &begin,
+            &start,
             &StepTime::new(&QuasiStatic, 1.0, 1.0, true),
             constraints,
         );

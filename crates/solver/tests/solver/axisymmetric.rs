@@ -48,9 +48,9 @@ fn a_strain_flow_and_its_pressure_are_exact_around_a_body_that_moves_through_the
     // u = (a r, -2 a z) is free of divergence in space, with u·∇u = (a² r, 4 a² z).
     let a = 0.6;
     let u = move |x: &P| V::new(a * x[0], -2.0 * a * x[1]);
-    for skew in [false, true] {
+    for form in [solver::ConvectionForm::Standard, solver::ConvectionForm::Skew] {
         let mut setup = around(1.2, 0.3, 0.02);
-        fluid_of(&mut setup).convection = Some(skew);
+        fluid_of(&mut setup).convection = Some(form);
         fluid_of(&mut setup).body_force = Some(Arc::new(move |x, _| V::new(a * a * x[0], 4.0 * a * a * x[1]) * 1.2));
         flows(&mut setup, &["top"], u);
         let traction = move |_: &P, n: &V, _: f64| V::new(2.0 * a * n[0], -4.0 * a * n[1]) * 0.3 - n * 1.7;
@@ -58,7 +58,7 @@ fn a_strain_flow_and_its_pressure_are_exact_around_a_body_that_moves_through_the
         setup.bodies.push(prescribed(&ball(0.8, 0.45, 0.1), |x, t| x + V::new(0.0, 1.5 * t), move |x, _| u(x)));
         let (state, reports) = run(&setup, 6);
         let (error_u, error_p) = fluid_error(&setup, &state, u, |_| 1.7);
-        assert!(error_u < 1e-10 && error_p < 1e-10, "skew {skew}: u {error_u:e}, p {error_p:e}");
+        assert!(error_u < 1e-10 && error_p < 1e-10, "{form:?}: u {error_u:e}, p {error_p:e}");
         assert!(reports.iter().map(|report| wet_report(report).n_uncovered).sum::<usize>() > 0);
         // The body cuts the cells that it moves through.
         assert!(wet_report(&reports[5]).cut.n_cut_cells > 10);
@@ -214,7 +214,7 @@ fn a_cylinder_stands_on_the_ground_with_its_weight() {
 #[test]
 fn tangents_are_exact() {
     let mut setup = around(1.1, 0.2, 0.02);
-    fluid_of(&mut setup).convection = Some(true);
+    fluid_of(&mut setup).convection = Some(solver::ConvectionForm::Skew);
     on_sides(&mut setup, &["right", "bottom", "top"], || FluidBoundary::Open { traction: None, backflow: true });
     let mut body = elastic("ball", ball(0.55, 0.5, 0.17), 1.0, 2e3, 8e3, V::zeros());
     let surface = body.side("surface");

@@ -250,7 +250,7 @@ fn vapour_bounds_the_tension_of_a_film_that_opens() {
 fn a_ball_that_falls_into_a_film_loses_energy_in_every_step() {
     let background = structured_box::<2>([-4.0, 0.0], [4.0, 4.0], [24, 12]).expect("a box");
     let mut setup = setup(fluid(background, 0.2, 0.5), 2e-3);
-    fluid_of(&mut setup).convection = Some(true);
+    fluid_of(&mut setup).convection = Some(solver::ConvectionForm::Skew);
     fluid_of(&mut setup).film = Some(FilmSetup::default());
     on_sides(&mut setup, &["left", "right", "bottom"], || FluidBoundary::NoSlip);
     on_sides(&mut setup, &["top"], open);

@@ -42,7 +42,7 @@ fn a_ball_that_hits_the_ground_in_a_fluid() {
             setup.scheme = Arc::new(GeneralisedAlpha::new(rho_inf).expect("a radius"));
         }
         fluid_of(&mut setup).stabilisation = set;
-        fluid_of(&mut setup).convection = Some(true);
+        fluid_of(&mut setup).convection = Some(solver::ConvectionForm::Skew);
         let (_, reports) = run(&setup, n);
         assert!(reports.iter().any(|report| report.contacts[0].is_active()), "{rho_inf:?} {set:?}");
         check_closed(&setup, &reports);

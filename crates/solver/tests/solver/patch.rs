@@ -71,8 +71,7 @@ fn uniform_pressure_around_a_closed_elastic_body() {
 
 #[test]
 fn a_body_follows_a_pressure_that_grows() {
-    // Without inertia each step ends in equilibrium with its pressure. The cut, where the step starts, has another
-    // area.
+    // Without inertia each step ends in equilibrium with its pressure. Its cut is that of the start, of larger area.
     let (mu, lambda) = (40.0, 60.0);
     for make in ELEMENTS {
         let mut setup = setup(fluid(background(), 1.0, 1e-2), 1.0);
@@ -157,7 +156,7 @@ fn fluid_at_rest_carries_a_neutral_body_of_curved_elements() {
     let balance = setup.bodies[0].balance(&state.bodies[0]).expect("a mass");
     let velocity = balance.momentum / balance.mass;
     assert!(velocity.norm() < 1e-3, "{velocity}");
-    // The plane facets enclose less, whose buoyancy would move the body by 0.5 in a second.
+    // The plane facets enclose less: with their buoyancy the body would sink with about 0.5 at the end.
     let inside = Placed::new(setup.bodies[0].surface(), setup.bodies[0].reference()).enclosed().volume;
     assert!(inside < 0.99 * balance.volume, "{inside} {}", balance.volume);
 }
@@ -335,7 +334,7 @@ fn every_pocket_has_its_own_mean() {
 
 #[test]
 fn uncovered_fluid_continues_an_affine_flow() {
-    // Two disks move with the fluid around them, then both jump by two cells at once.
+    // Two disks move with the fluid around them, then both jump by 1.6 cells.
     let u = |x: &P| V::new(0.3 + 0.5 * x[0] - 0.8 * x[1], -0.2 + 1.1 * x[0] - 0.5 * x[1]);
     let jump = V::new(0.05, 0.2);
     let mut setup = setup(fluid(background(), 1.0, 0.1), 0.05);

@@ -354,7 +354,7 @@ fn stirring() -> Setup<2> {
     body.initial_spin = [6.0, 0.0, 0.0];
     body.initial_velocity = V::new(0.8, 0.3);
     let mut setup = in_a_box(body, 0.02, |_, _| V::zeros());
-    fluid_of(&mut setup).convection = Some(false);
+    fluid_of(&mut setup).convection = Some(solver::ConvectionForm::Standard);
     setup.newton = NewtonSettings::new(1e-10);
     setup
 }

@@ -127,7 +127,7 @@ fn a_failure_of_newton_is_repaired_by_smaller_steps() {
 
 #[test]
 fn bodies_far_apart_may_move_fast() {
-    // As far in a step as contact does not look, but with more than that between them.
+    // The motion exceeds the searched distance, but the gap exceeds the motion.
     let setup = thrown_block(0, 0.4);
     let (state, parts, outcome) = take_steps(&setup, 1);
     outcome.expect("nothing to miss");
@@ -138,17 +138,17 @@ fn bodies_far_apart_may_move_fast() {
 #[test]
 fn divided_steps_are_of_second_order() {
     let background = structured_box::<2>([0.0, 0.0], [2.0, 2.0], [8, 8]).expect("a box");
-    // With a light fluid the stabilisation of the pressure, which has the step in it, does not change with it.
+    // In a light fluid the weight of the penalty of the pressure hardly depends on the step.
     let mut setup = setup(fluid(background, 1e-6, 1.0), 5e-4);
     setup.scheme = std::sync::Arc::new(GeneralisedAlpha::new(0.0).expect("a radius"));
     setup.newton = NewtonSettings::new(1e-11);
     on_sides(&mut setup, &["bottom", "left", "right", "top"], || solver::FluidBoundary::NoSlip);
     let block = structured_box::<2>([0.72, 0.81], [1.19, 1.27], [1, 1]).expect("a box");
     setup.bodies.push(std::sync::Arc::new(rigid("block", &block, 2.0, V::new(0.0, -1.0))));
-    // Behind the singular start from rest.
-    let (begin, _) = run(&setup, 40);
+    // After the start, which is singular in time.
+    let (start, _) = run(&setup, 40);
     let fall = |n: usize| {
-        let (mut state, mut work) = (begin.clone(), Workspace::new());
+        let (mut state, mut work) = (start.clone(), Workspace::new());
         for part in std::iter::repeat_n([0.5, 0.25, 0.25], n).flatten() {
             let dt = part * 0.04 / n as f64;
             state = advance(&setup, &state, Substep::whole(dt), &mut work).expect("a step").0;
@@ -160,7 +160,7 @@ fn divided_steps_are_of_second_order() {
     assert!(order > 1.8 && order < 2.6, "{order}: {coarse} {middle} {fine}");
 }
 
-/// A cell that is inside out divides the step, and stops the run with its place.
+/// An inverted cell divides the step, then ends the run with the place of the cell.
 #[test]
 fn cells_do_not_turn_inside_out_silently() {
     let background = structured_box::<2>([0.0, 0.0], [2.0, 2.0], [8, 8]).expect("a box");

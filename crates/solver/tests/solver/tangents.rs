@@ -15,7 +15,7 @@ fn tangents_are_exact() {
     let mut setup = falling_ball(0.9, 0.3, 0.6, false);
     let mut names = check_tangents(&setup, 3.0);
     fluid_of(&mut setup).stabilisation = Stabilisation::STANDARD;
-    fluid_of(&mut setup).convection = Some(true);
+    fluid_of(&mut setup).convection = Some(solver::ConvectionForm::Skew);
     setup.bodies.push(prescribed(&disk([6.0, 12.0], 1.3, 0.5), |x, _| *x, |x, _| V::new(x[1], -x[0])));
     names.extend(check_tangents(&setup, 3.0));
     assert_contain(&names, &CONTRIBUTIONS);

@@ -12,12 +12,12 @@ use crate::RigidVelocity;
 /// Couples: velocity.   Domain: the body.
 /// Units: force (2D: per unit depth).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VariableWeight<const D: usize> {
+pub struct VariableGravity<const D: usize> {
     /// Force `M g` at the stage.
     pub force: Vector<D>,
 }
 
-impl<const D: usize> Term<RigidVelocity<D>> for VariableWeight<D> {
+impl<const D: usize> Term<RigidVelocity<D>> for VariableGravity<D> {
     fn add(&self, _: &RigidVelocity<D>, out: &mut LocalSystem) {
         out.add_vector::<D>(0, -self.force);
     }
