@@ -14,8 +14,8 @@ impl<const D: usize> Step<'_, D> {
     /// contact become the multipliers of another solve, until they no longer change. A collision at several points is
     /// solved again with the points that push.
     ///
-    /// The pressure of each pocket has the mean zero. The report, also that of an error, contains the counts and times of
-    /// all solves, and the history of the last one.
+    /// The pressure of each pocket has the mean zero. The report, also that of an error, contains the counts and times
+    /// of all solves, and the history of the last one.
     ///
     /// # Errors
     /// Newton's method fails, or the multipliers still change after the largest number of solves.

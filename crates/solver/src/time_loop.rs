@@ -33,10 +33,10 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     /// Passes the state to the observers, then takes `n_steps` steps and passes the state after each of them.
     ///
     /// With [`Setup::approach`] a step is taken in parts if bodies are close to each other. A step, or such a part, is
-    /// repeated in two halves from the same state if [`crate::Error::smaller_step_may_succeed`] holds. Halves are divided
-    /// further, up to [`Setup::most_halvings`] times. The next half, and the next step, are tried undivided. Observers
-    /// receive the parts as well ([`crate::StepReport::substep`]). The report of a part includes the work of the
-    /// nonlinear solves that failed before it.
+    /// repeated in two halves from the same state if [`crate::Error::smaller_step_may_succeed`] holds. Halves are
+    /// divided further, up to [`Setup::most_halvings`] times. The next half, and the next step, are tried undivided.
+    /// Observers receive the parts as well ([`crate::StepReport::substep`]). The report of a part includes the work of
+    /// the nonlinear solves that failed before it.
     ///
     /// # Errors
     /// The first step or observer that fails; the state is the last good one, at the end of a part if the step was
