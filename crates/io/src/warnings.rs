@@ -5,14 +5,15 @@ use std::sync::Arc;
 
 use contact::Positions;
 use mesh::search::SurfaceIndex;
-use mesh::{Aabb, BodyId, Placed, Point, Tag, Vector, equilateral_side};
+use mesh::{Aabb, BodyId, Placed, Point, Tag, Vector, equilateral_side, mean};
 use solver::body::{Body, BodyState};
 use solver::{Contact, FluidBoundary, Setup, State};
 
 use crate::mesh_file::n_parts;
 use crate::pressures::{large_pressures, pressure_lags};
 use crate::scenario::{
-    BodyCondition, BodyKeys, Case, Choose as _, MotionChoice, Quantity, Scenario, TimeSchemeChoice, rounded,
+    BodyCondition, BodyKeys, Case, Choose as _, MotionChoice, Quantity, Scenario, TimeSchemeChoice,
+    parabolas_at_symmetry, rounded,
 };
 
 /// Largest round-off of a gap, divided by the contact size, and of positions, divided by the extent of the mesh.
@@ -34,6 +35,8 @@ pub(crate) fn warnings<const D: usize>(scenario: &Scenario, case: &Case<D>, stat
     lines.extend(torn(setup, state));
     lines.extend(high_floor(setup));
     lines.extend(not_held(scenario, setup));
+    lines.extend(parabolas(scenario, setup));
+    lines.extend(turning(setup, state, &positions, &length));
     lines.extend(large_pressures(scenario, case));
     let deforms = setup.bodies.iter().any(|body| body.deforms());
     let can_turn = !case.half_domain && scenario.coordinates.is_none();
@@ -157,6 +160,61 @@ fn not_held<const D: usize>(scenario: &Scenario, setup: &Setup<D>) -> Vec<String
         )
     };
     bodies.map(line).collect()
+}
+
+/// Returns warnings about parabolic inflows that end at a plane of symmetry, where their velocity is zero.
+fn parabolas<const D: usize>(scenario: &Scenario, setup: &Setup<D>) -> Vec<String> {
+    let (Some(fluid), Some(background)) = (&setup.fluid, &scenario.background) else { return Vec::new() };
+    let line = |name: &str| {
+        format!(
+            "warning: the inflow through side {name} ends at a plane of symmetry, where its parabola is zero; for half of a channel use `velocity` with a \
+             formula"
+        )
+    };
+    parabolas_at_symmetry(background.boundary(), fluid).into_iter().map(line).collect()
+}
+
+/// Largest distance by which contact may place the surface of a turning body too far out, relative to the contact size.
+const TOO_FAR_OUT: f64 = 0.1;
+
+/// Returns warnings about bodies that turn too fast for their contacts: contact moves points of a rigid body along
+/// their velocities, which takes them `|v - v̄|² Δt²/(2 r)` out of the circle on which they move.
+fn turning<const D: usize>(
+    setup: &Setup<D>,
+    state: &State<D>,
+    positions: &[Vec<Point<D>>],
+    length: &str,
+) -> Vec<String> {
+    let mut lines = Vec::new();
+    for contact in &setup.contacts {
+        for id in [Some(contact.body()), contact.master()].into_iter().flatten() {
+            let (body, points) = (&setup.bodies[id.index()], &positions[id.index()]);
+            if body.deforms() {
+                continue;
+            }
+            let velocity = |k: usize| {
+                let given = body.given_velocity(&points[k], state.time);
+                given.unwrap_or_else(|| state.bodies[id.index()].velocity()[k])
+            };
+            let velocities: Vec<_> = (0..points.len()).map(velocity).collect();
+            let [centre, drift] = [points, &velocities].map(|of| mean(of));
+            let outward = |k: usize| {
+                let (speed, radius) = ((velocities[k] - drift).norm(), (points[k] - centre).norm());
+                if radius > 0.0 { (speed * setup.dt).powi(2) / (2.0 * radius) } else { 0.0 }
+            };
+            let (farthest, size) = ((0..points.len()).map(outward).fold(0.0, f64::max), contact.form().size());
+            if farthest > TOO_FAR_OUT * size {
+                lines.push(format!(
+                    "warning: body {} turns so far in a step that contact places its surface up to {farthest:.1e} {length} too far out, and the contact \
+                     size is {size} {length}; use steps of at most {:.1e}",
+                    body.name(),
+                    setup.dt * (TOO_FAR_OUT * size / farthest).sqrt()
+                ));
+            }
+        }
+    }
+    lines.dedup();
+    lines
 }
 
 /// Smallest number of cells along the largest extent of a resolved body.

@@ -275,7 +275,7 @@ fn overlap(summary: &Summary) -> Option<String> {
     let size = summary.max_penetration / summary.max_penetration_over_s?;
     (*gap < -size).then(|| {
         format!(
-            "  warning: {sides} overlap by {:.1} contact sizes: the contact is too soft; raise the parameter of its law, and reduce the step with it",
+            "  warning: {sides} overlap by {:.1} contact sizes: the step is too long, or the contact too soft; reduce the step, and raise the parameter of the law if it has one",
             -gap / size
         )
     })

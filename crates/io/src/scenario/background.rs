@@ -20,8 +20,8 @@ use crate::memory::{available, shortage};
 choices! {
     /// Background mesh, on which the fluid is discretised.
     pub enum Background ["kind"] {
-        /// Box with cells of graded size; sides `left` and `right` (across x), `bottom` and `top` (across y). In 3D `front`
-        /// and `back` are across y, `bottom` and `top` across z.
+        /// Box with cells of graded size; sides `left` and `right` (across x), `bottom` and `top` (across y). In 3D
+        /// `front`, at the lower y, and `back` are across y, `bottom` and `top` across z.
         GradedBox = "graded-box" {
             /// Lowest corner.
             min: Components<f64> [unit(Quantity::LENGTH)],
@@ -137,7 +137,7 @@ choices! {
         },
         /// Surface of a body where its shape stands.
         Body = "body" {
-            /// Name of the body.
+            /// Name of the body; copies have names of their own.
             name: At<String>,
             /// Distance from the surface up to which the size is that of the region.
             within: f64 [unit(Quantity::LENGTH), non_negative] = 0.0,

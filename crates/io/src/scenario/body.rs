@@ -17,7 +17,7 @@ use super::field::Field;
 use super::formula::Formula;
 use super::geometry::{Geometry, Shape, plane_normal};
 use super::key::{Quantity, missing};
-use super::motion::{AXIAL, GuideKeys, Held, MotionChoice, finite, is_zero, prescribed};
+use super::motion::{AXIAL, GuideKeys, Held, MotionChoice, check_spin, finite, is_zero, prescribed};
 use super::solver::{Time, TimeSchemeChoice};
 use super::table::{At, Components, Named, choices, keys};
 
@@ -28,10 +28,9 @@ keys! {
         name: At<String>,
         /// Shape.
         shape: At<Shape>,
-        /// Shift of the shape from its place.
+        /// Shift of the shape from its place, and of the centre of a given rotation.
         shift: Option<Components<f64>> [unit(Quantity::LENGTH)],
-        /// Shifts of further bodies that are like this one otherwise, named `NAME-2`, `NAME-3` and so on. Centres of
-        /// rotation are shifted, too.
+        /// Shifts of further bodies that are like this one otherwise, named `NAME-2`, `NAME-3` and so on.
         copies: Vec<Components<f64>> [unit(Quantity::LENGTH)],
         /// Motion of a body that does not deform; without one the body is elastic.
         motion: Option<At<MotionChoice>>,
@@ -138,9 +137,8 @@ impl At<BodyKeys> {
         let first = self.map(|body| BodyKeys { copies: Vec::new(), ..body.clone() });
         let copy = |(k, shift): (usize, &Components<f64>)| {
             let name = self.name.map(|name| format!("{name}-{}", k + 2));
-            let motion = self.motion.as_ref().map(|motion| motion.map(|motion| motion.shifted(shift)));
             let shift = Some(self.shift.as_ref().map_or(shift.clone(), |own| own.plus(shift)));
-            first.map(|body| BodyKeys { name, shift, motion, ..body.clone() })
+            first.map(|body| BodyKeys { name, shift, ..body.clone() })
         };
         let copies: Vec<Self> = self.copies.iter().enumerate().map(copy).collect();
         std::iter::once(first).chain(copies)
@@ -237,11 +235,15 @@ pub(super) fn body<const D: usize>(
                     check_axial::<D>(given, initial_spin.as_ref(), guided.as_ref(), coordinates)?;
                     let guide = guided.as_ref().map(|guided| guided.guide(time)).transpose()?;
                     check_guided(given, held, initial_spin.as_ref(), guided.as_ref())?;
+                    initial_spin.as_ref().map_or(Ok(()), |spin| check_spin(spin, time))?;
                     let body = free(given, boundary, reference, held, initial_spin.as_ref(), time)?;
                     let initial_velocity = guide.as_ref().map_or(body.initial_velocity, |guide| (guide.velocity)(0.0));
                     Arc::new(RigidBody { guide, initial_velocity, ..body })
                 }
-                _ => Arc::new(prescribed(&given.name, motion, time, boundary, reference)?),
+                _ => {
+                    let motion = motion.map(|motion| motion.shifted(given.shift.as_ref()));
+                    Arc::new(prescribed(&given.name, &motion, time, boundary, reference)?)
+                }
             }
         }
     };

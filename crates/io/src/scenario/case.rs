@@ -120,7 +120,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         scheme: time.scheme()?,
         dt: *time.step,
         most_halvings: time.most_halvings,
-        approach: time.approach.as_ref().map(|of| ApproachSteps { fraction: of.fraction, smallest: of.smallest }),
+        approach: time.approach.as_ref().map(|of| ApproachSteps { fraction: of.fraction, smallest: *of.smallest }),
         newton: scenario.solver.newton.settings(),
     };
     let starts: Vec<_> = setup.bodies.iter().map(|body| body.initial()).collect();
@@ -461,7 +461,13 @@ fn respect_symmetry<const D: usize>(
         let on_diameter = unit_vector::<D>(0) * at;
         let is_on_plane = planes.iter().any(|plane| plane.normal[0] == 1.0 && plane.contains(&on_diameter));
         let is_inside = domain.low[0] <= at && at <= domain.high[0];
-        let is_on_axis = fluid.background.coordinates().radial() == Some(0) && at == 0.0;
+        let is_axisymmetric = fluid.background.coordinates().radial() == Some(0);
+        let is_on_axis = is_axisymmetric && at == 0.0;
+        if is_axisymmetric && !is_on_axis {
+            return Err(given.shape.at.invalid(format!(
+                "in axisymmetric coordinates this half ball is a ring, since its diameter is at x = {at}; move it to x = 0, or use a ball for a ring"
+            )));
+        }
         if conditions.any(is_symmetric) && is_inside && !is_on_plane && !is_on_axis {
             return Err(given.shape.at.invalid(format!(
                 "the diameter of this half ball is a line of symmetry at x = {at}, but no side of the background is one there; move it, or use a ball"

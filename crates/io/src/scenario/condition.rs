@@ -11,7 +11,7 @@ use super::error::ScenarioError;
 use super::field::{Field, FieldFormula};
 use super::geometry::plane_normal;
 use super::key::Quantity;
-use super::table::{At, Components, choices};
+use super::table::{At, Components, Named, choices};
 
 choices! {
     /// Condition on a part of the boundary of the fluid.
@@ -104,6 +104,22 @@ pub(super) fn symmetry_planes<const D: usize>(fluid: &FluidSetup<D>) -> Vec<Symm
         Some(SymmetryPlane { normal: *normal, place: normal.dot(&x), room })
     });
     planes.collect()
+}
+
+/// Returns the names of the sides with a parabolic inflow that end at a plane of symmetry, off the axis of axisymmetric
+/// coordinates. The parabola is zero there.
+pub(crate) fn parabolas_at_symmetry<'c, const D: usize>(
+    conditions: &'c Named<FluidCondition>,
+    fluid: &FluidSetup<D>,
+) -> Vec<&'c str> {
+    let planes = symmetry_planes(fluid);
+    let is_off_axis = |x: &Point<D>| fluid.background.coordinates().radial().is_none_or(|radial| x[radial] != 0.0);
+    let is_end = |x: &Point<D>| is_off_axis(x) && planes.iter().any(|plane| plane.contains(x));
+    let ends = |name: &str| {
+        fluid.background.tag(name).is_some_and(|tag| tagged_vertices(&fluid.background, tag).iter().any(is_end))
+    };
+    let parabolas = conditions.0.iter().filter(|(_, of)| matches!(**of, FluidCondition::Inflow { .. }));
+    parabolas.map(|(name, _)| name.as_str()).filter(|name| ends(name)).collect()
 }
 
 pub(super) fn fluid_boundary<const D: usize>(

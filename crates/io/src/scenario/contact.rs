@@ -130,7 +130,7 @@ choices! {
         },
         /// Another body, or the slave itself.
         Body = "body" {
-            /// Name of the body.
+            /// Name of the body; copies have names of their own.
             name: At<String>,
         },
     }
@@ -218,7 +218,7 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
                 return Err(self.immovable(
                     obstacle,
                     slave,
-                    "the body has a given motion, and the obstacle is at rest",
+                    "the body has a given motion, or all of its motions are held, and the obstacle is at rest",
                 ));
             }
             ObstacleChoice::RigidPlane { point, normal } => {

@@ -127,6 +127,12 @@ impl<const D: usize> Geometry<D> {
         }
         check_memory::<D>(shape)?;
         Ok(match &**shape {
+            Shape::Ball { radius, size, .. } | Shape::HalfBall { radius, size, .. } if size > radius => {
+                let message = format!(
+                    "cells of {size} do not resolve a radius of {radius}; give at most the radius, and better a fifth"
+                );
+                return Err(shape.at.part("size").invalid(message));
+            }
             Shape::Ball { centre, radius, size, area_preserving } => {
                 let options = BallOptions { area_preserving: *area_preserving };
                 let centre = centre.vector::<D>();

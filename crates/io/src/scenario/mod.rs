@@ -29,6 +29,7 @@ mod units;
 pub use background::{Axis, Background, GradedSize, Refinement, RegionChoice};
 pub use body::{BodyCondition, BodyKeys, LameKeys, MaterialChoice};
 pub use case::{Case, CaseVisitor, expected_cells, lower};
+pub(crate) use condition::parabolas_at_symmetry;
 pub use condition::{FluidCondition, InflowProfile};
 pub use contact::{ContactKeys, ContactLawChoice, ObstacleChoice};
 pub(crate) use error::advice;

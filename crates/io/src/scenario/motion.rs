@@ -6,7 +6,7 @@ use mesh::{BoundaryMesh, Point, Vector};
 use solid_rigid::Guide;
 use solver::body::PrescribedBody;
 
-use super::error::{ErrorKind, ScenarioError};
+use super::error::{ErrorKind, Location, ScenarioError};
 use super::formula::{Dual, Formula};
 use super::geometry::input_path;
 use super::key::Quantity;
@@ -23,14 +23,14 @@ choices! {
         Rotating = "rotating" {
             /// Centre of the rotation.
             centre: Components<f64> [unit(Quantity::LENGTH)],
-            /// Angular velocity. The angle is its integral from the start.
+            /// Angular velocity, rad per time. The angle is its integral from the start.
             angular_velocity: At<Formula> [unit(Quantity::RATE)],
         },
         /// Formulas in the time `t`.
         Formula = "formula" {
             /// Displacement from the place of the shape.
             displacement: Components<At<Formula>> [unit(Quantity::LENGTH)],
-            /// Angle about the centre; no rotation if left out.
+            /// Angle about the centre, rad; no rotation if left out.
             angle: Option<At<Formula>>,
             /// Centre of the rotation before the displacement, with `angle`.
             centre: Option<At<Components<f64>>> [unit(Quantity::LENGTH)],
@@ -58,7 +58,7 @@ keys! {
     /// A motion of the centre, without rotation, from the start until the body is released. The body begins with its
     /// velocity. The first step after the release is of first order, since the acceleration jumps.
     pub struct GuideKeys {
-        /// Time of the release.
+        /// Time of the release: the guide acts in all steps that begin before it.
         until: f64 [unit(Quantity::TIME), positive],
         /// Velocity, formulas in the time `t`.
         velocity: Components<At<Formula>> [unit(Quantity::VELOCITY)],
@@ -113,12 +113,12 @@ impl<const D: usize> GivenMotion<D> {
 }
 
 impl MotionChoice {
-    /// Returns the motion of a copy of the body: a centre of rotation moves with the shape.
-    pub(super) fn shifted(&self, shift: &Components<f64>) -> Self {
+    /// Returns the motion of a body whose shape is shifted: a centre of rotation moves with the shape.
+    pub(super) fn shifted(&self, shift: Option<&Components<f64>>) -> Self {
         let mut motion = self.clone();
-        match &mut motion {
-            Self::Rotating { centre, .. } => *centre = centre.plus(shift),
-            Self::Formula { centre: Some(centre), .. } | Self::Table { centre: Some(centre), .. } => {
+        match (&mut motion, shift) {
+            (Self::Rotating { centre, .. }, Some(shift)) => *centre = centre.plus(shift),
+            (Self::Formula { centre: Some(centre), .. } | Self::Table { centre: Some(centre), .. }, Some(shift)) => {
                 *centre = centre.map(|centre| centre.plus(shift));
             }
             _ => {}
@@ -184,8 +184,8 @@ pub(super) fn prescribed<const D: usize>(
         MotionChoice::Rotating { centre, angular_velocity } => {
             let rate = finite(angular_velocity, time)?;
             let angle = Angle::of(rate, time);
-            let unresolved = unresolved(|t| angle.at(t), time);
-            if let Some(at) = unresolved {
+            check_turn(&angular_velocity.at, |t| angle.at(t), time)?;
+            if let Some(at) = unresolved(|t| angle.at(t), time) {
                 let what = format!("the rotation with `{}`", angular_velocity.text());
                 return Err(angular_velocity.at.invalid(too_fast(&what, at, time)));
             }
@@ -194,7 +194,11 @@ pub(super) fn prescribed<const D: usize>(
         }
         MotionChoice::Formula { displacement, angle, centre } => {
             let axes = displacement.iter().map(|formula| checked(formula, time)).collect::<Result<Vec<_>, _>>()?;
-            let angle = angle.as_ref().map(|formula| checked(formula, time)).transpose()?;
+            let turns = |given: &At<Formula>| {
+                let formula = checked(given, time)?;
+                check_turn(&given.at, |t| formula.at(&[], t), time).map(|()| formula)
+            };
+            let angle = angle.as_ref().map(turns).transpose()?;
             let centre = turning_centre(motion, centre.as_ref(), angle.is_some())?;
             let path = move |t| Pose {
                 displacement: std::array::from_fn(|axis| axes[axis].at(&[], t)),
@@ -314,6 +318,31 @@ fn unresolved(at: impl Fn(f64) -> Dual, time: &Time) -> Option<f64> {
     let jump = steps().find(|k| is_jump(ends(*k)));
     let fails = || (missed > UNRESOLVED * swept + 1e-12 * farthest * n_steps as f64).then_some(0);
     jump.or_else(fails).map(|k| k as f64 * dt)
+}
+
+/// Largest angle of a rotation in a step, rad: six steps in a turn.
+const LARGEST_TURN: f64 = 1.05;
+
+/// Checks that a body turns by less than [`LARGEST_TURN`] in every step.
+fn check_turn(at: &Location, angle: impl Fn(f64) -> Dual, time: &Time) -> Result<(), ScenarioError> {
+    let (n_steps, dt) = (time.n_steps(), *time.step);
+    let mut steps = (0..n_steps).step_by(n_steps / MOST_TRIALS + 1).map(|k| k as f64 * dt);
+    let turn = |t: f64| (angle(t + dt).value - angle(t).value).abs();
+    steps.find(|t| turn(*t) > LARGEST_TURN).map_or(Ok(()), |t| Err(at.invalid(too_far(turn(t), dt))))
+}
+
+/// Checks that a free body turns by less than [`LARGEST_TURN`] in the first step.
+pub(super) fn check_spin(spin: &At<f64>, time: &Time) -> Result<(), ScenarioError> {
+    let turn = spin.abs() * *time.step;
+    if turn > LARGEST_TURN { Err(spin.at.invalid(too_far(turn, *time.step))) } else { Ok(()) }
+}
+
+/// Returns the message about a body that turns too far in a step.
+fn too_far(turn: f64, dt: f64) -> String {
+    format!(
+        "the body turns by {turn:.2} rad in a step of {dt}; use steps of at most {:.1e}, six in a turn, and better twenty (velocities are in radians per time)",
+        dt * LARGEST_TURN / turn
+    )
 }
 
 /// Returns the message about a motion that steps do not resolve.

@@ -35,7 +35,7 @@ keys! {
         /// Largest motion of the bodies of a contact in a part of a step, relative to the gap between them.
         fraction: f64 [positive] = 0.06,
         /// Smallest length of a part.
-        smallest: f64 [unit(Quantity::TIME), positive],
+        smallest: At<f64> [unit(Quantity::TIME), positive],
     }
 }
 
@@ -86,6 +86,10 @@ impl Time {
             return Err(self.step.at.invalid(format!(
                 "the step {step:e} needs more than {MAX_STEPS:e} steps to the end {end:e}; check the exponents of both"
             )));
+        }
+        if let Some(approach) = self.approach.as_ref().filter(|approach| *approach.smallest >= step) {
+            let message = "the smallest part is not shorter than the step, so that no step is divided; make it shorter";
+            return Err(approach.smallest.at.invalid(message));
         }
         if n >= 1.0 && (n * step - end).abs() <= ROUND_OFF * end {
             return Ok(());

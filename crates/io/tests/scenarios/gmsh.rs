@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use io::gmsh::{GmshFile, GmshFormat, GmshMesh, GmshVersion, write};
 use mesh::generate::{BallOptions, ball, structured_box};
@@ -25,9 +26,10 @@ const FORMATS: [GmshFormat; 4] = [
     GmshFormat { version: GmshVersion::V41, is_binary: true },
 ];
 
-/// Returns the bytes of a file.
+/// Returns the bytes of a file. Tests run at the same time, so that each file has a name of its own.
 fn bytes<const D: usize>(mesh: &SimplexMesh<D>, edge_nodes: &EdgeNodes<D>, format: GmshFormat) -> Vec<u8> {
-    let path = path(&format!("{D}-{}-{}-{}.msh", edge_nodes.len(), format.version, format.is_binary));
+    static N_FILES: AtomicUsize = AtomicUsize::new(0);
+    let path = path(&format!("bytes-{}.msh", N_FILES.fetch_add(1, Ordering::Relaxed)));
     write(&path, mesh, edge_nodes, format).expect("a file");
     std::fs::read(path).expect("the file")
 }

@@ -112,17 +112,17 @@ fn each_kind_moves_the_body_as_documented() {
     }
 }
 
-/// A paddle turns about its centre, and its copy about the centre of the copy.
+/// A shifted paddle turns about its centre, and its copy about the centre of the copy.
 #[test]
-fn copies_turn_about_centres_of_their_own() {
+fn shifted_bodies_and_copies_turn_about_centres_of_their_own() {
     let file = moving(
         r#"{ kind = "rotating", centre = [0.2, 0.2], angular_velocity = 2.0 }"#,
         "",
-        &["body.0.copies=[[0.5, 0.1]]"],
+        &["body.0.shift=[0.1, 0.0]", "body.0.copies=[[0.5, 0.1]]"],
     );
     let case = planar_case(&file);
     let velocity = |body: usize, x: Point<2>| case.setup.bodies[body].given_velocity(&x, 0.3).expect("a given motion");
-    for (body, centre) in [Point::<2>::new(0.2, 0.2), Point::<2>::new(0.7, 0.3)].into_iter().enumerate() {
+    for (body, centre) in [Point::<2>::new(0.3, 0.2), Point::<2>::new(0.8, 0.3)].into_iter().enumerate() {
         let turning = velocity(body, centre + Point::<2>::new(0.03, 0.0)) - Point::<2>::new(0.0, 0.06);
         assert!(velocity(body, centre).norm() < 1e-14 && turning.norm() < 1e-14, "body {body}");
     }

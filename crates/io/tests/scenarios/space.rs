@@ -4,41 +4,7 @@ use crate::setting::*;
 use io::ScenarioFile;
 
 /// A cube falls in a closed box of fluid, one and a half times as dense.
-const CASE: &str = r#"
-name      = "cube"
-dimension = 3
-units     = "si"
-
-[time]
-step = 0.02
-end  = 0.1
-
-[fluid]
-density        = 1.0
-viscosity      = 0.1
-body_force     = [0.0, 0.0, "-10*1"]
-
-[background]
-kind = "graded-box"
-min  = [0.0, 0.0, 0.0]
-max  = [1.0, 1.0, 1.0]
-size = 0.3
-boundary = { left = "no-slip", right = "no-slip", front = "no-slip", back = "no-slip", bottom = "no-slip", top = "no-slip" }
-
-[[body]]
-name    = "cube"
-shape   = { kind = "box", min = [0.31, 0.32, 0.53], max = [0.71, 0.72, 0.93], n = [2, 2, 2] }
-motion  = { kind = "free" }
-density = 1.5
-gravity = [0.0, 0.0, -10.0]
-
-[output]
-vtk_every = 5
-
-[solver]
-newton = { tolerance = 1.0e-8, max_iterations = 20 }
-linear = { kind = "direct" }
-"#;
+const CASE: &str = include_str!("../../../../examples/falling-cube.toml");
 
 /// A plane below the cube; contact begins 3 cm below the place of the cube.
 const FLOOR: &str = r#"

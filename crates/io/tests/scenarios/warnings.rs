@@ -163,6 +163,28 @@ fn bodies_without_contact_are_named() {
 }
 
 #[test]
+fn a_parabola_that_ends_at_a_plane_of_symmetry_is_a_warning() {
+    let inflow = |more: &str| {
+        let text = DISKS
+            .replace("left   = \"no-slip\"", "left = { kind = \"inflow\", profile = \"parabolic\", maximum = 1.0 }");
+        lines(&text.replace("bottom = \"no-slip\"", more), &[])
+    };
+    let is_about = |line: &&String| line.contains("side left ends at a plane of symmetry");
+    assert_eq!(inflow("bottom = \"symmetry\"").iter().filter(is_about).count(), 1);
+    assert_eq!(inflow("bottom = \"no-slip\"").iter().filter(is_about).count(), 0);
+}
+
+/// A stone of radius 0.1 that turns by 0.3 rad in a step of 0.01: the surface is up to 0.1 (0.3²)/2 too far out.
+#[test]
+fn bodies_that_turn_too_fast_for_their_contacts_are_warnings() {
+    let text = format!("{DISKS}{CONTACT}");
+    let spinning = text.replace("{ kind = \"free\" }", "{ kind = \"free\", initial_spin = 30.0 }");
+    let found = warning(&spinning, &["time.step=0.01"]);
+    assert!(found.contains("body stone turns so far in a step") && found.contains("e-3 m too far out"), "{found}");
+    assert!(!lines(&spinning, &["time.step=1e-3"]).iter().any(|line| line.contains("turns so far")));
+}
+
+#[test]
 fn bodies_that_nothing_holds_without_inertia_are_warnings() {
     let start = DISKS.find("[fluid]").expect("a fluid")..DISKS.find("[[body]]").expect("a body");
     let mut dry = DISKS.to_owned();
