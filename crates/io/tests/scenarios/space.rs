@@ -4,7 +4,12 @@ use crate::setting::*;
 use io::ScenarioFile;
 
 /// A cube falls in a closed box of fluid, one and a half times as dense.
-const CASE: &str = include_str!("../../../../examples/falling-cube.toml");
+const EXAMPLE: &str = include_str!("../../../../examples/falling-cube.toml");
+
+/// Returns the example with a coarser mesh.
+fn case() -> String {
+    EXAMPLE.replacen("size = 0.1 ", "size = 0.3 ", 1)
+}
 
 /// A plane below the cube; contact begins 3 cm below the place of the cube.
 const FLOOR: &str = r#"
@@ -22,7 +27,7 @@ const FREE: &str = "motion  = { kind = \"free\" }";
 fn a_free_cube_falls_with_the_force_that_is_reported() {
     let directory = fresh_directory("free");
     let euler = ["time.scheme=implicit-euler"];
-    results(&legal(CASE, &[&euler]), &directory);
+    results(&legal(&case(), &[&euler]), &directory);
     let [velocity, force, height] = ["centre_velocity", "force_z", "centre_z"].map(|name| column(&directory, name));
     let mass = 1.5 * 0.4_f64.powi(3);
     let (mut before, mut at) = (0.0, 0.73);
@@ -40,7 +45,7 @@ fn a_free_cube_falls_with_the_force_that_is_reported() {
         assert!(directory.join(file).exists(), "{file}");
     }
     let left = ScenarioFile::read(&directory.join("scenario.toml"), &[]).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(left.scenario(), legal(CASE, &[&euler]).scenario());
+    assert_eq!(left.scenario(), legal(&case(), &[&euler]).scenario());
 }
 
 #[test]
@@ -53,7 +58,7 @@ fn a_cube_lands_on_a_plane() {
         "body.0.initial_velocity=[0.0, 0.0, -1.0]",
     ];
     let directory = fresh_directory("landing");
-    results(&legal(&format!("{CASE}{FLOOR}"), &[&sets]), &directory);
+    results(&legal(&format!("{}{FLOOR}", case()), &[&sets]), &directory);
     let [gap, force, velocity] = ["d_min", "contact_force", "centre_velocity"].map(|name| column(&directory, name));
     for (gap, force) in gap.iter().zip(&force) {
         assert!((*gap < 0.05) == (*force > 0.0), "{gap} {force}");
@@ -69,7 +74,7 @@ fn an_elastic_cube_is_compressed_by_its_weight() {
     let elastic = "material = { kind = \"saint-venant-kirchhoff\", young = 1.0e4, poisson = 0.3 }\n\
                    boundary = { top = \"clamped\", left = \"symmetry\" }";
     let directory = fresh_directory("elastic");
-    results(&legal(&CASE.replace(FREE, elastic), &[&["time.end=0.04", "output.vtk_every=2"]]), &directory);
+    results(&legal(&case().replace(FREE, elastic), &[&["time.end=0.04", "output.vtk_every=2"]]), &directory);
     let energy = column(&directory, "energy_elastic");
     assert!(energy.iter().all(|e| *e > 0.0), "{energy:?}");
     let height = column(&directory, "centre_z");
@@ -81,10 +86,10 @@ fn an_elastic_cube_is_compressed_by_its_weight() {
 fn a_background_is_finer_near_regions() {
     let near = |region: &str| {
         let refine = format!("size = 0.3\nrefine = [{{ near = {{ {region} }}, size = 0.1, growth = 0.5 }}]");
-        let case = CASE.replacen("size = 0.3", &refine, 1);
+        let case = case().replacen("size = 0.3", &refine, 1);
         io::sizes(&legal(&case, &[])).unwrap_or_else(|e| panic!("{e}")).background_cells
     };
-    let coarse = io::sizes(&legal(CASE, &[])).unwrap_or_else(|e| panic!("{e}")).background_cells;
+    let coarse = io::sizes(&legal(&case(), &[])).unwrap_or_else(|e| panic!("{e}")).background_cells;
     let point = near("kind = \"point\", at = [0.2, 0.2, 0.2]");
     let line = near("kind = \"line\", from = [0.2, 0.2, 0.2], to = [0.2, 0.2, 0.8]");
     let ball = near("kind = \"ball\", centre = [0.2, 0.2, 0.2], radius = 0.4");
@@ -94,22 +99,23 @@ fn a_background_is_finer_near_regions() {
 
 #[test]
 fn planar_shapes_and_vectors_are_refused() {
-    let cube = CASE.lines().find(|line| line.starts_with("shape")).expect("a shape");
+    let text = case();
+    let cube = text.lines().find(|line| line.starts_with("shape")).expect("a shape");
     for (shape, word) in [
         ("{ kind = \"half-ball\", centre = [0.5, 0.5, 0.7], radius = 0.2, size = 0.1 }", "dimension = 2"),
         ("{ kind = \"polygon\", corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], size = 0.1 }", "two dimensions"),
         ("{ kind = \"box\", min = [0.3, 0.3], max = [0.7, 0.7, 0.9], n = [2, 2, 2] }", "2 components"),
         ("{ kind = \"box\", min = [0.3, 0.3, 0.5], max = [0.7, 0.7, 0.9], n = [2, 2] }", "2 components"),
     ] {
-        refused(&CASE.replace(cube, &format!("shape = {shape}")), &[], &["case.toml:", "body.0.shape", word]);
+        refused(&text.replace(cube, &format!("shape = {shape}")), &[], &["case.toml:", "body.0.shape", word]);
     }
     let front = ["background.boundary.front", "did you mean `free`?"];
-    refused(CASE, &[&["background.boundary.front=fre"]], &front);
+    refused(&case(), &[&["background.boundary.front=fre"]], &front);
 }
 
 /// The parameter of the interior penalty is a length in 2D only.
 #[test]
 fn the_set_of_the_paper_is_available_with_all_units() {
-    legal(CASE, &[&["fluid.stabilisation=paper-44-2019"]]);
+    legal(&case(), &[&["fluid.stabilisation=paper-44-2019"]]);
     refused(CHANNEL, &[&["fluid.stabilisation=paper-44-2019", "units=si"]], &["fluid.stabilisation", "state it in m"]);
 }
