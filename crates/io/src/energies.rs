@@ -27,8 +27,13 @@ pub(crate) struct Energies {
     largest_gain: f64,
     /// Sum of the gains.
     generated: f64,
-    /// Energy that the time scheme takes from bodies in steps with contact.
+    /// Energy that the time scheme takes from bodies in steps with contact. Steps with a collision are left out, since
+    /// it changes velocities at once.
+    #[serde(default)]
     lost_in_contact: f64,
+    /// Whether each contact is one of collisions.
+    #[serde(default)]
+    collides: Vec<bool>,
     largest_defect: f64,
     /// Whether the energy of a step was not a number.
     is_undefined: bool,
@@ -38,6 +43,7 @@ impl Energies {
     /// Creates the record of a run from its start.
     pub(crate) fn new<const D: usize>(setup: &Setup<D>, start: &State<D>) -> Self {
         let mut energies = Self { largest: start.fluid_energy() + start.contact_energy, ..Self::default() };
+        energies.collides = setup.contacts.iter().map(|contact| contact.form().law.restitution().is_some()).collect();
         energies.has_inertia = setup.scheme.weights(setup.dt, true).stage_acceleration.slope != 0.0;
         if let Some(FluidSetup { background, body_force: Some(force), .. }) = &setup.fluid {
             let largest = background.vertices().iter().map(|x| force(x, start.time).norm()).fold(0.0, f64::max);
@@ -69,7 +75,11 @@ impl Energies {
         self.largest = self.largest.max(of_bodies.sum::<f64>() + of_contacts + of_fluid);
         self.largest_line = self.largest_line.max(report.ledger.largest_line());
         let (gain, defect) = (-report.ledger.dissipation(), report.ledger.defect().abs());
-        if report.contacts.iter().any(|contact| contact.n_active > 0) {
+        let is_active = |collides: bool| {
+            let mut contacts = report.contacts.iter().zip(&self.collides);
+            contacts.any(|(contact, is_collision)| contact.n_active > 0 && *is_collision == collides)
+        };
+        if is_active(false) && !is_active(true) {
             self.lost_in_contact += report.ledger.body_scheme;
         }
         self.is_undefined |= !(gain.is_finite() && defect.is_finite());

@@ -81,8 +81,8 @@ pub struct Summary {
     /// `quasi-static`.
     #[serde(default)]
     pub energy_generated: Option<f64>,
-    /// Energy that the time scheme takes from bodies in the steps with contact, divided by the energies of the run. It
-    /// falls with the step. None in the same cases.
+    /// Energy that the time scheme takes from bodies in the steps with contact and without collisions, divided by the
+    /// energies of the run. It falls with the step. None in the same cases.
     #[serde(default)]
     pub energy_lost_in_contact: Option<f64>,
     /// Largest energy of a step that no line of [`solver::Ledger`] contains, divided by the same energies or line, at

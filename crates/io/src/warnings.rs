@@ -1,6 +1,6 @@
 //! Warnings about choices in a scenario that are allowed but mostly mistakes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use contact::Positions;
@@ -12,8 +12,8 @@ use solver::{Contact, FluidBoundary, Setup, State};
 use crate::mesh_file::n_parts;
 use crate::pressures::{large_pressures, pressure_lags};
 use crate::scenario::{
-    BodyCondition, BodyKeys, Case, Choose as _, MotionChoice, Quantity, Scenario, TimeSchemeChoice,
-    parabolas_at_symmetry, rounded,
+    BodyCondition, BodyKeys, Case, Choose as _, Quantity, Scenario, TimeSchemeChoice, parabolas_at_symmetry, rounded,
+    rounded_down,
 };
 
 /// Largest round-off of a gap, divided by the contact size, and of positions, divided by the extent of the mesh.
@@ -145,8 +145,7 @@ fn not_held<const D: usize>(scenario: &Scenario, setup: &Setup<D>) -> Vec<String
     }
     let holds = |condition: &BodyCondition| !matches!(condition, BodyCondition::Traction { .. });
     let is_held = |keys: &BodyKeys| {
-        let is_rigid = matches!(keys.motion.as_deref(), Some(MotionChoice::Free { held, .. }) if !held.is_empty());
-        is_rigid || keys.boundary.iter().flat_map(|conditions| &conditions.0).any(|(_, condition)| holds(condition))
+        keys.boundary.iter().flat_map(|conditions| &conditions.0).any(|(_, condition)| holds(condition))
     };
     let all = scenario.bodies();
     let bodies = setup.bodies.iter().zip(&all).filter(|(body, keys)| body.is_movable() && !is_held(keys));
@@ -185,11 +184,14 @@ fn turning<const D: usize>(
     positions: &[Vec<Point<D>>],
     length: &str,
 ) -> Vec<String> {
-    let mut lines = Vec::new();
+    let is_unshifted = setup.scheme.weights(setup.dt, false).shifted[0].velocity == 0.0;
+    let (mut lines, mut named) = (Vec::new(), BTreeSet::new());
     for contact in &setup.contacts {
         for id in [Some(contact.body()), contact.master()].into_iter().flatten() {
             let (body, points) = (&setup.bodies[id.index()], &positions[id.index()]);
-            if body.deforms() {
+            // Positions of a given motion are exact if the scheme does not shift them.
+            let is_exact = |x| is_unshifted && body.given_velocity(x, state.time).is_some();
+            if body.deforms() || points.first().is_some_and(is_exact) {
                 continue;
             }
             let velocity = |k: usize| {
@@ -203,17 +205,16 @@ fn turning<const D: usize>(
                 if radius > 0.0 { (speed * setup.dt).powi(2) / (2.0 * radius) } else { 0.0 }
             };
             let (farthest, size) = ((0..points.len()).map(outward).fold(0.0, f64::max), contact.form().size());
-            if farthest > TOO_FAR_OUT * size {
+            if farthest > TOO_FAR_OUT * size && named.insert(id) {
                 lines.push(format!(
                     "warning: body {} turns so far in a step that contact places its surface up to {farthest:.1e} {length} too far out, and the contact \
-                     size is {size} {length}; use steps of at most {:.1e}",
+                     size is {size} {length}; use steps of at most {:e}",
                     body.name(),
-                    setup.dt * (TOO_FAR_OUT * size / farthest).sqrt()
+                    rounded_down(setup.dt * (TOO_FAR_OUT * size / farthest).sqrt())
                 ));
             }
         }
     }
-    lines.dedup();
     lines
 }
 

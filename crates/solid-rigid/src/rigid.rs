@@ -233,8 +233,8 @@ impl<const D: usize> BodyStep<D> for RigidStep<'_, D> {
                 constraints.tie(dof, &masters);
             }
         }
-        let time = self.time.end - self.time.length;
-        let guided = self.body.guide.as_ref().filter(|guide| time < guide.until * (1.0 - ROUND_OFF));
+        let start = self.time.end - self.time.length;
+        let guided = self.body.guide.as_ref().filter(|guide| start < guide.until * (1.0 - ROUND_OFF));
         let guided = guided.map(|guide| (guide.velocity)(self.time.end));
         for (m, dof) in layout.node(self.whole, 0).enumerate() {
             // Velocity at the end of the step: zero for held modes, that of the guide before the release.

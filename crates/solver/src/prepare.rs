@@ -127,7 +127,7 @@ impl<'a, const D: usize> Step<'a, D> {
         }
     }
 
-    /// Returns the parts of the step for the evaluation of contacts.
+    /// Returns references to the fields of the step for the evaluation of contacts.
     pub(crate) fn refs(&self) -> StepRefs<'_, D> {
         let (layout, bodies) = (&self.layout, &self.bodies[..]);
         StepRefs { layout, fluid: self.fluid.as_ref(), bodies, time: &self.time }

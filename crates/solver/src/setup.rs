@@ -273,7 +273,7 @@ impl<const D: usize> Contact<D> {
 
     /// Returns the smallest gap of the slave's nodes that may come into contact. `slave` and `master` are positions of
     /// all nodes of the bodies. With a master at rest, nodes of the slave without a velocity, such as clamped ones, are
-    /// left out. Returns `None` for contact of a body with itself.
+    /// left out; the gap is infinite if all are. Returns `None` for contact of a body with itself.
     pub(crate) fn smallest_gap(
         &self,
         surface: &BoundaryMesh<D>,
@@ -286,6 +286,9 @@ impl<const D: usize> Contact<D> {
         nodes.dedup();
         nodes.retain(|node| master_speed > 0.0 || speed_of(*node) > 0.0);
         let points: Vec<_> = nodes.iter().map(|node| slave[node.index()]).collect();
+        if points.is_empty() {
+            return Some(f64::INFINITY);
+        }
         self.obstacle().smallest_gap(&points, Positions::Fixed(master))
     }
 

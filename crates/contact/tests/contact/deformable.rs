@@ -1,7 +1,5 @@
 //! Another body as the obstacle: projection, tangent, action and reaction.
 
-use std::cell::Cell;
-
 use algebra::time::{GeneralisedAlpha, ImplicitEuler, TimeScheme};
 use algebra::{Contributions, DofId, worst_tangent_entry};
 use body::{Body, BodyState};
@@ -125,8 +123,8 @@ fn penalty() -> PenaltyLaw {
     PenaltyLaw::new(GAMMA, OFFSET).unwrap()
 }
 
-/// Checks that the tangent is exact in states in which `n` active points on average meet a condition. Near an edge of
-/// the mesh, within the finite-difference step, the projection is not smooth.
+/// Checks that the tangent is exact in states in which at least `n` active points meet a condition. Near an edge of the
+/// mesh, within the finite-difference step, the projection is not smooth.
 fn tangent_is_exact<const D: usize>(
     law: impl ContactLaw + Copy + 'static,
     scheme: &dyn TimeScheme,
@@ -134,11 +132,10 @@ fn tangent_is_exact<const D: usize>(
     n: usize,
     condition: fn(&ContactPoint) -> bool,
 ) {
-    const N_STATES: u64 = 6;
-    let n_found = Cell::new(0);
-    for seed in 0..N_STATES {
+    for seed in 12..18 {
         two_blocks::<D>(seed, law, scheme, &|_, _, contact, x| {
-            n_found.set(n_found.get() + n_active(contact, x, condition));
+            let found = n_active(contact, x, condition);
+            assert!(found >= n, "{found} points");
             let contact = work(contact.clone());
             let part = seed as usize % parts;
             let items = part * contact.len() / parts..(part + 1) * contact.len() / parts;
@@ -146,7 +143,6 @@ fn tangent_is_exact<const D: usize>(
             assert!(worst.relative < 1e-6, "{seed}: {worst:?}");
         });
     }
-    assert!(n_found.get() >= n * N_STATES as usize, "{} points", n_found.get());
 }
 
 #[test]

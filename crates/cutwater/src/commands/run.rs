@@ -260,7 +260,7 @@ fn print_summary(summary: &Summary, directory: &str, print_line: &mut dyn FnMut(
     }
     if let Some(lost) = summary.energy_lost_in_contact.filter(|lost| *lost > MUCH_ENERGY) {
         print_line(&format!(
-            "  warning: the time scheme took {:.0} % of the largest energy of the run from bodies in contact, which rebound too slowly; halve the step, \
+            "  warning: in steps with contact the time scheme took {:.0} % of the largest energy of the run from bodies, so that they rebound too slowly; halve the step, \
              first with `--set time.step={:?}`, until `energy_lost_in_contact` in summary.json is small",
             100.0 * lost,
             0.5 * summary.dt

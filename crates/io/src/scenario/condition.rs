@@ -82,6 +82,9 @@ fn on_plane<const D: usize>(background: &SimplexMesh<D>) -> f64 {
 pub(super) struct SymmetryPlane<const D: usize> {
     /// Unit normal.
     pub(super) normal: Vector<D>,
+    /// The side of the background on the plane, and the box around it.
+    pub(super) side: Tag,
+    bounds: Aabb<D>,
     /// Signed distance from the origin along the normal.
     place: f64,
     /// Largest distance of a vertex on the plane from it, by round-off.
@@ -93,6 +96,13 @@ impl<const D: usize> SymmetryPlane<D> {
     pub(super) fn contains(&self, x: &Point<D>) -> bool {
         (self.normal.dot(x) - self.place).abs() <= self.room
     }
+
+    /// Returns whether a point lies on the side of the background, or in the box around it on the same plane.
+    pub(super) fn is_on_side(&self, x: &Point<D>) -> bool {
+        let Aabb { low, high } = &self.bounds;
+        let is_between = |k: usize| (low[k] - self.room..=high[k] + self.room).contains(&x[k]);
+        self.contains(x) && (0..D).all(is_between)
+    }
 }
 
 /// Returns the planes of symmetry.
@@ -100,8 +110,9 @@ pub(super) fn symmetry_planes<const D: usize>(fluid: &FluidSetup<D>) -> Vec<Symm
     let room = on_plane(&fluid.background);
     let planes = fluid.boundary.iter().filter_map(|(tag, condition)| {
         let FluidBoundary::Symmetry { normal } = condition else { return None };
-        let x = *tagged_vertices(&fluid.background, *tag).first()?;
-        Some(SymmetryPlane { normal: *normal, place: normal.dot(&x), room })
+        let points = tagged_vertices(&fluid.background, *tag);
+        let place = normal.dot(points.first()?);
+        Some(SymmetryPlane { normal: *normal, side: *tag, bounds: Aabb::of_points(&points), place, room })
     });
     planes.collect()
 }
@@ -114,7 +125,7 @@ pub(crate) fn parabolas_at_symmetry<'c, const D: usize>(
 ) -> Vec<&'c str> {
     let planes = symmetry_planes(fluid);
     let is_off_axis = |x: &Point<D>| fluid.background.coordinates().radial().is_none_or(|radial| x[radial] != 0.0);
-    let is_end = |x: &Point<D>| is_off_axis(x) && planes.iter().any(|plane| plane.contains(x));
+    let is_end = |x: &Point<D>| is_off_axis(x) && planes.iter().any(|plane| plane.is_on_side(x));
     let ends = |name: &str| {
         fluid.background.tag(name).is_some_and(|tag| tagged_vertices(&fluid.background, tag).iter().any(is_end))
     };

@@ -8,9 +8,10 @@ use contact::{
 };
 use mesh::{BodyId, BoundaryMesh, FacetId, Placed, Point, SimplexMesh};
 use solver::body::Body;
-use solver::{Contact, ContactObstacle};
+use solver::{Contact, ContactObstacle, FluidSetup};
 
 use super::body::Built;
+use super::condition::SymmetryPlane;
 use super::error::{ErrorKind, ScenarioError, sorted};
 use super::geometry::{Geometry, Shape, ZERO_VECTOR};
 use super::key::{Quantity, missing};
@@ -41,10 +42,20 @@ keys! {
 }
 
 impl ContactKeys {
-    /// Returns whether this is contact of a body with an obstacle that is not a body of the scenario.
-    pub(super) fn has_obstacle(&self, name: &str) -> bool {
-        let is_of_body = matches!(self.obstacle.as_deref(), Some(ObstacleChoice::Body { .. }));
-        !is_of_body && self.body.as_ref().is_some_and(|body| **body == name || **body == ALL)
+    /// Returns whether this contact keeps a body on its side of a plane of symmetry: the obstacle is the plane, or a wall
+    /// with the side of the background on it.
+    pub(super) fn stops<const D: usize>(&self, name: &str, plane: &SymmetryPlane<D>, fluid: &FluidSetup<D>) -> bool {
+        let is_plane = match self.obstacle.as_deref() {
+            Some(ObstacleChoice::RigidPlane { point, normal }) => {
+                let normal = normal.vector::<D>();
+                normal.dot(&plane.normal).abs() > (1.0 - 1e-9) * normal.norm() && plane.contains(&point.vector())
+            }
+            Some(ObstacleChoice::Wall { parts }) => {
+                parts.iter().any(|part| fluid.background.tag(part) == Some(plane.side))
+            }
+            _ => false,
+        };
+        is_plane && self.body.as_ref().is_some_and(|body| **body == name || **body == ALL)
     }
 }
 

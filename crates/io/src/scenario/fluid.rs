@@ -218,10 +218,13 @@ pub(super) fn fluid<const D: usize>(
         let ((_, condition), tag) = found.ok_or_else(missing)?;
         boundary.push((tag, fluid_boundary(&background, tag, condition, times)?));
     }
+    // Elastic bodies are compressible.
+    let makes_room =
+        boundary.iter().any(|(_, condition)| condition.is_open()) || bodies.iter().any(|body| body.motion.is_none());
     let floor = fluid.film.as_ref().and_then(|film| film.floor.as_ref());
-    if let Some(floor) = floor.filter(|_| !boundary.iter().any(|(_, condition)| condition.is_open())) {
+    if let Some(floor) = floor.filter(|_| !makes_room) {
         return Err(floor.at.invalid(
-            "no side is open: the vapour would take a volume that the fluid cannot leave, and its pressure has no level that the floor refers to; make a side `free`, or leave the floor out",
+            "no side is open, and no body is elastic: the vapour would take a volume that the fluid cannot leave, and its pressure has no level that the floor refers to; make a side `free`, or leave the floor out",
         ));
     }
     let points = background.vertices();

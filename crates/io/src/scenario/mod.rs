@@ -51,5 +51,5 @@ pub use solver::{
 };
 pub(crate) use table::Choose;
 pub use table::{At, Components, Named, OrTable};
-pub(crate) use units::rounded;
 pub use units::{System, UnitNames, Units};
+pub(crate) use units::{rounded, rounded_down};

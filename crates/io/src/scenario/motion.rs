@@ -11,8 +11,9 @@ use super::formula::{Dual, Formula};
 use super::geometry::input_path;
 use super::key::Quantity;
 use super::motion_table::{MotionTable, Pose};
-use super::solver::Time;
+use super::solver::{Time, TimeSchemeChoice};
 use super::table::{At, Components, choices, keys};
+use super::units::rounded_down;
 
 choices! {
     /// Motion of a body that does not deform; angles are in radians, counter-clockwise.
@@ -208,6 +209,7 @@ pub(super) fn prescribed<const D: usize>(
         }
         MotionChoice::Table { file, centre } => {
             let table = read_table(file, time)?;
+            check_turn(&file.at, |t| table.at(t).angle, time)?;
             let centre = turning_centre(motion, centre.as_ref(), table.has_angle())?;
             GivenMotion { centre, path: Box::new(move |t| table.at(t)) }
         }
@@ -323,8 +325,11 @@ fn unresolved(at: impl Fn(f64) -> Dual, time: &Time) -> Option<f64> {
 /// Largest angle of a rotation in a step, rad: six steps in a turn.
 const LARGEST_TURN: f64 = 1.05;
 
-/// Checks that a body turns by less than [`LARGEST_TURN`] in every step.
+/// Checks that a body turns by less than [`LARGEST_TURN`] in every step, except in steps to states of equilibrium.
 fn check_turn(at: &Location, angle: impl Fn(f64) -> Dual, time: &Time) -> Result<(), ScenarioError> {
+    if *time.scheme == TimeSchemeChoice::QuasiStatic {
+        return Ok(());
+    }
     let (n_steps, dt) = (time.n_steps(), *time.step);
     let mut steps = (0..n_steps).step_by(n_steps / MOST_TRIALS + 1).map(|k| k as f64 * dt);
     let turn = |t: f64| (angle(t + dt).value - angle(t).value).abs();
@@ -339,9 +344,9 @@ pub(super) fn check_spin(spin: &At<f64>, time: &Time) -> Result<(), ScenarioErro
 
 /// Returns the message about a body that turns too far in a step.
 fn too_far(turn: f64, dt: f64) -> String {
+    let longest = rounded_down(dt * LARGEST_TURN / turn);
     format!(
-        "the body turns by {turn:.2} rad in a step of {dt}; use steps of at most {:.1e}, six in a turn, and better twenty (velocities are in radians per time)",
-        dt * LARGEST_TURN / turn
+        "the body turns by {turn:.2} rad in a step of {dt}; use steps of at most {longest:e}, six in a turn, and better twenty (velocities are in radians per time)"
     )
 }
 

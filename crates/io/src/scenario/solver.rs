@@ -32,7 +32,8 @@ keys! {
 keys! {
     /// Parts of steps where bodies are close to each other.
     pub struct Approach {
-        /// Largest motion of the bodies of a contact in a part of a step, relative to the gap between them.
+        /// Largest motion of the bodies of a contact in a part of a step, relative to the gap between them; nodes that
+        /// do not move have none.
         fraction: f64 [positive] = 0.06,
         /// Smallest length of a part.
         smallest: At<f64> [unit(Quantity::TIME), positive],

@@ -67,6 +67,13 @@ impl Units {
     }
 }
 
+/// Rounds a positive number down to two significant digits.
+pub(crate) fn rounded_down(value: f64) -> f64 {
+    let of = |value: f64| format!("{value:.1e}").parse().unwrap_or(value);
+    let nearest = of(value);
+    if nearest <= value { nearest } else { of(nearest - 0.1 * 10_f64.powf(value.log10().floor())) }
+}
+
 /// Rounds to four significant digits, without the sign of zero.
 pub(crate) fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value) + 0.0
@@ -75,6 +82,13 @@ pub(crate) fn rounded(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_rounded_down_to_two_digits() {
+        for (value, rounded) in [(0.01671, 0.016), (0.0160001, 0.016), (0.00999, 0.0099), (1.0, 1.0), (99.99, 99.0)] {
+            assert_eq!(rounded_down(value), rounded, "{value}");
+        }
+    }
 
     #[test]
     fn labels_follow_from_the_base_units() {

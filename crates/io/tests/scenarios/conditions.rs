@@ -253,6 +253,35 @@ fn a_given_motion_into_a_closed_domain_is_refused() {
     with("no-slip", &moving("0.5*t", "0"), &free).expect("a free piston");
 }
 
+/// An elastic box next to a plane of symmetry, which a condition, a contact with the plane or a wall on it holds.
+#[test]
+fn a_part_on_a_plane_of_symmetry_is_held() {
+    let with = |boundary: &str, contact: &str, corner: &str| {
+        let text = format!(
+            "name = \"half\"\ndimension = 2\nunits = \"si\"\ntime = {{ step = 0.1, end = 1 }}\nfluid = {{ density = 1, viscosity = 1 }}\n\
+             [background]\nkind = \"graded-box\"\nmin = [0, 0]\nmax = [4, 4]\nsize = 0.5\n\
+             boundary = {{ left = \"symmetry\", right = \"free\", bottom = \"no-slip\", top = \"no-slip\" }}\n\
+             [[body]]\nname = \"box\"\nshape = {{ kind = \"box\", min = {corner}, max = [1, 2], n = [2, 2] }}\n\
+             material = {{ kind = \"neo-hookean\", mu = 100, lambda = 100 }}\ndensity = 1\ngravity = [0, 0]\n{boundary}\n{contact}"
+        );
+        parse(&text, &[]).and_then(|file| io::sizes(&file).map(|_| ()))
+    };
+    let contact = |obstacle: &str| {
+        let law = "law = { kind = \"penalty\", gamma_contact_0 = 1e3 }\nsize = 0.1\noffset = 0.0";
+        format!("[[contact]]\nbody = \"box\"\nobstacle = {obstacle}\n{law}\n")
+    };
+    let plane = |normal: &str| contact(&format!("{{ kind = \"rigid-plane\", point = [0, 0], normal = {normal} }}"));
+    for loose in [String::new(), plane("[0, -1]"), contact("{ kind = \"wall\", parts = [\"bottom\"] }")] {
+        let error = with("", &loose, "[0, 1]").expect_err("a loose part").to_string();
+        assert!(error.contains("body.0.shape") && error.contains("plane of symmetry"), "{error}");
+    }
+    for stopped in [plane("[-1, 0]"), contact("{ kind = \"wall\", parts = [\"left\"] }")] {
+        with("", &stopped, "[0, 1]").expect("a contact with the plane");
+    }
+    with("boundary = { left = \"symmetry\" }", "", "[0, 1]").expect("a condition");
+    with("", "", "[0.5, 1]").expect("a box inside");
+}
+
 /// A rod on the axis that enters a closed cylinder.
 #[test]
 fn a_rod_does_not_enter_a_closed_cylinder() {
@@ -272,6 +301,9 @@ fn a_rod_does_not_enter_a_closed_cylinder() {
     assert!(words.iter().all(|word| error.contains(word)), "{error}");
     with("free", "-0.5*t").expect("an open side");
     with("no-slip", "-1.5 - 0.5*t").expect("inside");
+    let ball = "-0.5*t\"] }\n[[body]]\nname = \"ball\"\nmotion = \"fixed\"\n\
+                shape = { kind = \"half-ball\", centre = [0, 1], radius = 0.5, size = 0.25 } #";
+    assert!(with("no-slip", ball).expect_err("no room").to_string().contains("no side is open"));
 }
 
 #[test]

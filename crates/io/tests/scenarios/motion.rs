@@ -112,6 +112,14 @@ fn each_kind_moves_the_body_as_documented() {
     }
 }
 
+/// Steps to states of equilibrium may be as long as a turn.
+#[test]
+fn turns_are_limited_in_steps_with_inertia_only() {
+    let turning = r#"{ kind = "rotating", centre = [0.2, 0.2], angular_velocity = 1000.0 }"#;
+    expect(turning, "", "motion = {", "body.0.motion.angular_velocity", &["rad in a step"]);
+    moving(turning, "", &["time.scheme=quasi-static"]);
+}
+
 /// A shifted paddle turns about its centre, and its copy about the centre of the copy.
 #[test]
 fn shifted_bodies_and_copies_turn_about_centres_of_their_own() {

@@ -199,6 +199,8 @@ fn bodies_that_nothing_holds_without_inertia_are_warnings() {
     assert_eq!(held("clamped").len(), 1);
     assert_eq!(held("{kind = \"traction\", value = [1.0, 0.0]}").len(), 2);
     let copied = ["time.scheme=quasi-static", "body.0.boundary.surface=clamped", "body.0.copies=[[0.0, 0.25]]"];
+    let partly = dry.replace("\"free\" }", "\"free\", held = [\"x\"] }");
+    assert_eq!(of(&partly, &copied).len(), 1, "the other motions are loose");
     let found = of(&dry, &copied);
     assert!(found.len() == 1 && found[0].contains("body stone is held") && found[0].contains("`body.motion.held`"));
     assert!(of(&dry.replace("\"free\" }", "\"free\", held = [\"x\", \"y\", \"rotation\"] }"), &copied).is_empty());
