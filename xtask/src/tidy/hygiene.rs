@@ -16,7 +16,7 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/solver/src"], 3_440),
     (&["validation"], 14_020),
     (&["xtask/src"], 2420),
-    (&[""], 81_470),
+    (&[""], 81_490),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

@@ -282,6 +282,23 @@ fn a_part_on_a_plane_of_symmetry_is_held() {
     with("", "", "[0.5, 1]").expect("a box inside");
 }
 
+/// An elastic box at the height of a plane of symmetry, which ends to the left of it.
+#[test]
+fn a_plane_of_symmetry_ends_with_its_side() {
+    let with = |corners: &str| {
+        let text = format!(
+            "name = \"step\"\ndimension = 2\nunits = \"si\"\ntime = {{ step = 0.1, end = 1 }}\nfluid = {{ density = 1, viscosity = 1 }}\n\
+             [background]\nkind = \"polygon\"\ncorners = [[0, 0], [4, 0], [4, 4], [2, 4], [2, 2], [0, 2]]\nsize = 0.3\n\
+             boundary = {{ side-1 = \"no-slip\", side-2 = \"free\", side-3 = \"no-slip\", side-4 = \"no-slip\", side-5 = \"symmetry\", \
+             side-6 = \"no-slip\" }}\n[[body]]\nname = \"box\"\nshape = {{ kind = \"box\", {corners}, n = [2, 2] }}\n\
+             material = {{ kind = \"neo-hookean\", mu = 100, lambda = 100 }}\ndensity = 1\ngravity = [0, 0]\n"
+        );
+        parse(&text, &[]).and_then(|file| io::sizes(&file).map(|_| ()))
+    };
+    with("min = [2.5, 1], max = [3.5, 2]").expect("a box away from the side");
+    assert!(with("min = [0.5, 1], max = [1.5, 2]").is_err());
+}
+
 /// A rod on the axis that enters a closed cylinder.
 #[test]
 fn a_rod_does_not_enter_a_closed_cylinder() {
