@@ -8,7 +8,6 @@ use body::Body;
 use contact::{ContactForm, PenaltyLaw, RigidPlane};
 use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
-use interface_dg::terms::PenaltyProfile;
 use mesh::generate::{BallOptions, Size, graded_box, half_ball, structured_box};
 use mesh::{BodyId, Point, SimplexMesh, Vector};
 use solid_svk::supports::tagged_facets;
@@ -37,13 +36,8 @@ struct Documents;
 
 /// Stabilisation with the uniform penalty of the paper and interior penalties that vanish under refinement. Versions
 /// before the standard set solve the step in 3D with these parameters, so that times can be compared with theirs.
-pub const UNIFORM: Stabilisation = Stabilisation {
-    penalty: PenaltyProfile::Uniform { gamma_sigma: 1e5 },
-    cip: CipProfile::Consistent { gamma_u: 0.1 },
-    gamma_pressure: 0.1,
-    gamma_ghost: 1.0,
-    time: None,
-};
+pub const UNIFORM: Stabilisation =
+    Stabilisation { cip: CipProfile::Consistent { gamma_u: 0.1 }, ..Stabilisation::PAPER_44_2019 };
 
 /// Gap between ball and ground, cm. Cut cells are in the fine part of the background, and contact is inactive.
 const GAP: f64 = 0.2;

@@ -124,7 +124,8 @@ fn penalty() -> PenaltyLaw {
 }
 
 /// Checks that the tangent is exact in states in which at least `n` active points meet a condition. Near an edge of the
-/// mesh, within the finite-difference step, the projection is not smooth.
+/// mesh, within the finite-difference step, the projection is not smooth. Seeds 0 to 5 have a state with three points
+/// in place of four, and seeds 6 to 11 and 24 to 29 each a state with a larger deviation: 2.4e-6 for seed 25.
 fn tangent_is_exact<const D: usize>(
     law: impl ContactLaw + Copy + 'static,
     scheme: &dyn TimeScheme,
