@@ -36,7 +36,7 @@ pub(crate) fn warnings<const D: usize>(scenario: &Scenario, case: &Case<D>, stat
     lines.extend(high_floor(setup));
     lines.extend(not_held(scenario, setup));
     lines.extend(parabolas(scenario, setup));
-    lines.extend(turning(setup, state, &positions, &length));
+    lines.extend(turning(setup, state.time, &positions, &length));
     lines.extend(large_pressures(scenario, case));
     let deforms = setup.bodies.iter().any(|body| body.deforms());
     let can_turn = !case.half_domain && scenario.coordinates.is_none();
@@ -176,29 +176,19 @@ fn parabolas<const D: usize>(scenario: &Scenario, setup: &Setup<D>) -> Vec<Strin
 /// Largest distance by which contact may place the surface of a turning body too far out, relative to the contact size.
 const TOO_FAR_OUT: f64 = 0.1;
 
-/// Returns warnings about bodies that turn too fast for their contacts: contact moves points of a rigid body along
-/// their velocities, which takes them `|v - v̄|² Δt²/(2 r)` out of the circle on which they move.
-fn turning<const D: usize>(
-    setup: &Setup<D>,
-    state: &State<D>,
-    positions: &[Vec<Point<D>>],
-    length: &str,
-) -> Vec<String> {
-    let is_unshifted = setup.scheme.weights(setup.dt, false).shifted[0].velocity == 0.0;
+/// Returns warnings about bodies of given motion that turn too fast for their contacts: generalised-α shifts the points
+/// on which contact acts along their velocities, which takes them up to `|v - v̄|² Δt²/(2 r)` out of the circle on which
+/// they move. Free bodies are turned.
+fn turning<const D: usize>(setup: &Setup<D>, time: f64, positions: &[Vec<Point<D>>], length: &str) -> Vec<String> {
     let (mut lines, mut named) = (Vec::new(), BTreeSet::new());
+    if setup.scheme.weights(setup.dt, false).shifted[0].velocity == 0.0 {
+        return lines;
+    }
     for contact in &setup.contacts {
         for id in [Some(contact.body()), contact.master()].into_iter().flatten() {
             let (body, points) = (&setup.bodies[id.index()], &positions[id.index()]);
-            // Positions of a given motion are exact if the scheme does not shift them.
-            let is_exact = |x| is_unshifted && body.given_velocity(x, state.time).is_some();
-            if body.deforms() || points.first().is_some_and(is_exact) {
-                continue;
-            }
-            let velocity = |k: usize| {
-                let given = body.given_velocity(&points[k], state.time);
-                given.unwrap_or_else(|| state.bodies[id.index()].velocity()[k])
-            };
-            let velocities: Vec<_> = (0..points.len()).map(velocity).collect();
+            let velocities: Option<Vec<_>> = points.iter().map(|x| body.given_velocity(x, time)).collect();
+            let Some(velocities) = velocities else { continue };
             let [centre, drift] = [points, &velocities].map(|of| mean(of));
             let outward = |k: usize| {
                 let (speed, radius) = ((velocities[k] - drift).norm(), (points[k] - centre).norm());

@@ -1,12 +1,12 @@
 //! Rigid bodies.
 
-use algebra::time::{Level, Row};
+use algebra::time::{Affine, Level, Row};
 use algebra::{BlockLayout, Constraints, Contributions, DofId, FieldId, Integral};
-use body::{Balance, Body, BodyState, BodyStep, StepTime, SurfaceMotion, VectorInTime};
+use body::{Balance, Body, BodyState, BodyStep, StepTime, SurfaceMotion, SurfaceVelocity, VectorInTime};
 use mesh::{BoundaryMesh, Placed, Point, Vector};
 
 use crate::centre::RigidCentre;
-use crate::modes::{Spin, mode, n_modes};
+use crate::modes::{Spin, mode, n_modes, spin_velocity};
 use crate::terms::{Momentum, VariableGravity};
 use crate::{Error, MassProperties, RigidMotion};
 
@@ -90,6 +90,13 @@ impl<const D: usize> RigidBody<D> {
         axial == Some(false) || self.held_axes.get(mode).copied().unwrap_or(self.holds_rotation)
     }
 
+    /// Returns the positions of the vertices that a row of a time scheme gives for a spin and zero velocity at the stage.
+    fn positions_by(&self, motion: &RigidMotion<D>, row: &Row, spin: &Spin) -> Vec<Point<D>> {
+        let (centre, rotation) = motion.placed(row, &Vector::zeros(), spin);
+        let placed = RigidMotion { centre, rotation, ..*motion };
+        self.reference.iter().map(|x| placed.position(&self.mass, x)).collect()
+    }
+
     /// Returns the state of a motion. The list of accelerations is empty unless `with_accelerations`.
     fn state(&self, motion: &RigidMotion<D>, with_accelerations: bool) -> BodyState<D> {
         let at: Vec<Point<D>> = self.reference.iter().map(|x| motion.position(&self.mass, x)).collect();
@@ -128,10 +135,7 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         if row.velocity == 0.0 {
             return start.positions(&self.reference);
         }
-        let motion = self.motion(start);
-        let (centre, rotation) = motion.placed(row, &Vector::zeros(), &[0.0; 3]);
-        let placed = RigidMotion { centre, rotation, ..motion };
-        self.reference.iter().map(|x| placed.position(&self.mass, x)).collect()
+        self.positions_by(&self.motion(start), row, &[0.0; 3])
     }
 
     fn step<'s>(
@@ -153,7 +157,19 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         let turning = rounding / largest(Vector::norm, centre);
         let of_modes = (0..n_modes(D)).map(|mode| if mode < D { rounding } else { turning });
         layout.set_rounding(whole, &of_modes.collect::<Vec<_>>());
-        let surface = SurfaceMotion::of_field(&self.boundary, &self.reference, start, geometry, time, vertices);
+        let [shifted, end] = &time.weights.shifted;
+        // The end is exact for the spin at the start, and linear in the velocities around it.
+        let velocities = geometry.iter().map(|x| spin_velocity(&motion.spin, &(x - centre)));
+        let at_end = self.positions_by(&motion, end, &motion.spin);
+        let predicted = at_end.iter().zip(velocities).map(|(x, v)| x - v * end.slope).collect();
+        let surface = SurfaceMotion {
+            boundary: &self.boundary,
+            start: self.positions_by(&motion, shifted, &[0.0; 3]),
+            end: Affine { slope: end.slope, predicted },
+            geometry,
+            stage: None,
+            velocity: SurfaceVelocity::Field(vertices),
+        };
         let force = self.variable_gravity(time.stage()) * self.mass.mass;
         let weight = self.variable_gravity.as_ref().map(|_| VariableGravity { force });
         Box::new(RigidStep {

@@ -1,8 +1,8 @@
 //! Mass properties and free motion of rigid bodies against closed forms.
 
-use algebra::time::ImplicitEuler;
+use algebra::time::{GeneralisedAlpha, ImplicitEuler, TimeScheme};
 use algebra::{BlockLayout, Constraints, Equations, NewtonSettings, Workspace, check_tangent, newton};
-use body::{Body, BodyState, StepTime};
+use body::{Body, BodyState, BodyStep, StepTime};
 use mesh::{BoundaryMesh, ParameterError, Placed, Point, Tensor, Vector, VertexId};
 use solid_rigid::modes::rotated_by;
 use solid_rigid::{Error, MassProperties, RigidBody, RigidMotion, Spin};
@@ -48,13 +48,17 @@ fn what_encloses_nothing_is_refused() {
     assert!(matches!(massless, Err(Error::Parameter(ParameterError { what: "density", .. }))));
 }
 
-/// Advances a body without forces by one step. The contribution is linear, so one iteration of Newton's method
-/// suffices.
-fn free_step(body: &RigidBody<3>, before: &RigidMotion<3>, dt: f64) -> RigidMotion<3> {
+/// Solves a step of a body without forces, and calls `test` with the step, its layout and its state. The contribution
+/// is linear, so one iteration of Newton's method suffices.
+fn in_step<R>(
+    body: &RigidBody<3>,
+    before: &RigidMotion<3>,
+    time: &StepTime,
+    test: impl FnOnce(&dyn BodyStep<3>, &BlockLayout, &[f64]) -> R,
+) -> R {
     let start = BodyState { inner: before.to_numbers(), ..body.initial() };
     let mut layout = BlockLayout::new();
-    let time = StepTime::new(&ImplicitEuler, dt, dt, true);
-    let step = body.step(&start, &time, &mut layout);
+    let step = body.step(&start, time, &mut layout);
     let mut constraints = Constraints::new();
     step.constrain(&layout, &mut constraints);
     let equations =
@@ -63,7 +67,36 @@ fn free_step(body: &RigidBody<3>, before: &RigidMotion<3>, dt: f64) -> RigidMoti
     step.guess(&layout, &mut x);
     assert!(equations.contributions.iter().all(|part| check_tangent(part.as_ref(), &x, 1e-5) < 1e-9));
     newton(&equations, &mut x, &mut Workspace::new(), &NewtonSettings::new(1e-13)).expect("a linear system");
-    body.motion(&step.end(&layout, &x))
+    test(step.as_ref(), &layout, &x)
+}
+
+/// Advances a body without forces by one step of implicit Euler.
+fn free_step(body: &RigidBody<3>, before: &RigidMotion<3>, dt: f64) -> RigidMotion<3> {
+    let time = StepTime::new(&ImplicitEuler, dt, dt, true);
+    in_step(body, before, &time, |step, layout, x| body.motion(&step.end(layout, x)))
+}
+
+/// Between the positions at which contact acts a body turns by `ω Δt`, and keeps its size, with large angles too.
+#[test]
+fn contact_acts_on_points_that_turn() {
+    let (surface, corners) = brick([1.0; 3], [0.1, -0.3, 0.2], Point::zeros());
+    let body = RigidBody::new("cube", surface, corners.clone(), 1.0, Vector::zeros()).unwrap();
+    let (spin, dt) = ([2.0, -1.0, 1.5], 0.2);
+    let start = RigidMotion::initial(&body.mass, Vector::<3>::new(3.0, 0.0, 1.0), spin);
+    let turn = rotated_by::<3>(&spin.map(|omega| omega * dt));
+    let schemes: [&dyn TimeScheme; 2] = [&ImplicitEuler, &GeneralisedAlpha::new(0.0).expect("a factor")];
+    for scheme in schemes {
+        in_step(&body, &start, &StepTime::new(scheme, dt, dt, false), |step, layout, x| {
+            let surface = step.surface();
+            let end = |k: usize| surface.position_at(VertexId::new(k), layout, x);
+            for k in 1..corners.len() {
+                let (reference, before) = (corners[k] - corners[0], surface.start[k] - surface.start[0]);
+                let after = end(k) - end(0);
+                assert!((before.norm() - reference.norm()).abs() < 1e-14, "{scheme:?}: {before}");
+                assert!((turn * before - after).norm() < 1e-14, "{scheme:?}: {before} {after}");
+            }
+        });
+    }
 }
 
 #[test]
