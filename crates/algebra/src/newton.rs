@@ -119,37 +119,26 @@ impl NewtonReport {
 
 /// Cause of the end of a nonlinear solve; every variant holds the report up to that point with the full histories.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "fields are named after what they contain")]
 pub enum NewtonError {
     /// Five successive corrections with exact tangents grew, or the line search found no decrease of the residual.
     /// Improve the starting guess or take a smaller step.
     #[error("Newton diverged after {} iterations: corrections or residuals grew", .report.iterations)]
-    Diverged {
-        /// Statistics of the solve.
-        report: Box<NewtonReport>,
-    },
+    Diverged { report: Box<NewtonReport> },
     /// The limit of iterations was reached.
     #[error("Newton did not converge in {} iterations (relative residual {:e})",
         .report.iterations, last_residual(.report))]
     NotConverged {
         /// Whether the last correction changed the regime.
         regime_changed: bool,
-        /// Statistics of the solve.
         report: Box<NewtonReport>,
     },
     /// The linear system could not be solved.
     #[error("the linear solve failed after {} Newton iterations", .report.iterations)]
-    Linear {
-        /// Cause.
-        source: LinearError,
-        /// Statistics of the solve.
-        report: Box<NewtonReport>,
-    },
+    Linear { source: LinearError, report: Box<NewtonReport> },
     /// The residual is infinite or not a number.
     #[error("the residual is not finite after {} Newton iterations", .report.iterations)]
-    NotFinite {
-        /// Statistics of the solve.
-        report: Box<NewtonReport>,
-    },
+    NotFinite { report: Box<NewtonReport> },
 }
 
 impl NewtonError {

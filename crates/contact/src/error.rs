@@ -4,18 +4,14 @@ use mesh::{BodyId, FacetId};
 
 /// Errors of this crate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "fields are named after what they contain")]
 pub enum Error {
     /// A parameter of a law, an obstacle or a form is out of range.
     #[error(transparent)]
     Parameter(#[from] mesh::ParameterError),
     /// A facet that the boundary does not have.
     #[error("facet {facet} is not among the {n_facets} facets of the boundary")]
-    UnknownFacet {
-        /// The facet.
-        facet: FacetId,
-        /// Number of facets of the boundary.
-        n_facets: usize,
-    },
+    UnknownFacet { facet: FacetId, n_facets: usize },
     /// A deformable obstacle without its body (the master) or with another one, or a rigid obstacle with a body.
     #[error(
         "a deformable obstacle needs the body to which its boundary belongs (the master); a rigid one must not have any"
@@ -23,12 +19,7 @@ pub enum Error {
     Master,
     /// A contact names a body that does not exist.
     #[error("body {body} is not among the {n_bodies} bodies of the setup")]
-    UnknownBody {
-        /// The body.
-        body: BodyId,
-        /// Number of bodies.
-        n_bodies: usize,
-    },
+    UnknownBody { body: BodyId, n_bodies: usize },
     /// A body is the master of itself without [`crate::OwnSurface`].
     #[error("slave and master are the same body; contact of a body with itself needs its own surface as the obstacle")]
     SelfContact,

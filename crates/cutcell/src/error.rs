@@ -4,26 +4,20 @@ use mesh::{BodyId, FacetId, VertexId};
 
 /// Errors of [`crate::CutMesh::overlay`]. Degenerate positions are not errors; see [`crate::CutReport`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "fields are named after what they contain")]
 pub enum Error {
     /// A surface without facets.
     #[error("body {body} has a surface without facets")]
-    Empty {
-        /// The body.
-        body: BodyId,
-    },
+    Empty { body: BodyId },
     /// A coordinate is NaN or infinite.
     #[error("body {}: vertex {} of facet {} has a coordinate that is NaN or infinite", .at.body, .at.vertex, .at.facet)]
-    NotFinite {
-        /// The vertex.
-        at: SurfaceVertex,
-    },
+    NotFinite { at: SurfaceVertex },
     /// A coordinate is so large that the round-off of the facet is comparable to the background.
     #[error(
         "body {}: vertex {} of facet {} at {:?} is too far from the background (beyond {limit:e}): move or scale it",
         .at.body, .at.vertex, .at.facet, .at.point
     )]
     TooFar {
-        /// The vertex.
         at: SurfaceVertex,
         /// Largest coordinate of the background times [`crate::FARTHEST`].
         limit: f64,
@@ -52,7 +46,6 @@ pub enum Error {
          {point:?}; reverse the order of the vertices of all facets"
     )]
     Inward {
-        /// The body.
         body: BodyId,
         /// A facet with inward normal.
         facet: FacetId,
@@ -64,7 +57,6 @@ pub enum Error {
     /// The surface intersects itself.
     #[error("body {body}: the surface intersects itself, facet {other} pierces facet {facet} near {point:?}")]
     SelfIntersection {
-        /// The body.
         body: BodyId,
         /// The facet that is pierced.
         facet: FacetId,
@@ -78,7 +70,6 @@ pub enum Error {
     Capsule {
         /// The line, counted from 1; zero if the error has no line.
         line: usize,
-        /// The reason.
         what: String,
     },
 }

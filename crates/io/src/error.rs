@@ -4,19 +4,14 @@ use std::path::PathBuf;
 
 /// Errors of this crate.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "fields are named after what they contain")]
 pub enum Error {
     /// A file cannot be read. Check its path and permissions.
     #[error("cannot read {}: {source}; check its path", .path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Cause.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// A file is not text. Save it as UTF-8.
     #[error("{}:{line}: the file is not UTF-8; save it in that encoding", .path.display())]
     NotUtf8 {
-        /// The file.
         path: PathBuf,
         /// Line of the first invalid byte, from 1.
         line: usize,
@@ -24,7 +19,6 @@ pub enum Error {
     /// A surface file is malformed.
     #[error("cannot read the surface {}: {problem}", .path.display())]
     Surface {
-        /// The file.
         path: PathBuf,
         /// Line or byte, and cause.
         problem: String,
@@ -32,7 +26,6 @@ pub enum Error {
     /// A mesh file is malformed, or holds no mesh that can be used.
     #[error("cannot read the mesh {}: {problem}", .path.display())]
     MeshFile {
-        /// The file.
         path: PathBuf,
         /// Cause and remedy.
         problem: String,
@@ -40,7 +33,6 @@ pub enum Error {
     /// A mesh or surface cannot be written to a file of this name.
     #[error("cannot write {}: {problem}", .path.display())]
     MeshOutput {
-        /// The file.
         path: PathBuf,
         /// Cause and remedy.
         problem: &'static str,
@@ -50,7 +42,6 @@ pub enum Error {
     GridSize {
         /// Cubes along an axis.
         n: usize,
-        /// The largest number.
         most: usize,
     },
     /// A cut violates its identities: a fault of the program, not of the input.
@@ -68,12 +59,7 @@ pub enum Error {
     Grid(mesh::Error),
     /// Surfaces that cannot cut a mesh. The cause contains body, facet and point.
     #[error("cannot cut by {}: {source}{}", listed(.paths), advice(.source))]
-    Cut {
-        /// The files, one per body.
-        paths: Vec<PathBuf>,
-        /// Cause.
-        source: cutcell::Error,
-    },
+    Cut { paths: Vec<PathBuf>, source: cutcell::Error },
     /// A scenario that cannot be run. The cause contains file, line and key.
     #[cfg(feature = "simulation")]
     #[error(transparent)]
@@ -84,45 +70,27 @@ pub enum Error {
     Text(#[from] toml::ser::Error),
     /// A file cannot be written. Check the directory, its permissions and the space left.
     #[error("cannot write {}: {source}", .path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// Cause.
-        source: std::io::Error,
-    },
+    Write { path: PathBuf, source: std::io::Error },
     /// A VTK file cannot be written.
     #[error("cannot write {}: {source}", .path.display())]
-    Vtk {
-        /// The file.
-        path: PathBuf,
-        /// Cause.
-        source: Box<vtkio::Error>,
-    },
+    Vtk { path: PathBuf, source: Box<vtkio::Error> },
     /// A summary cannot be written as JSON.
     #[error("cannot write the summary as JSON: {0}")]
     Json(#[from] serde_json::Error),
     /// A directory without a file that every run writes.
     #[error("{} has no results of a run: {file} is missing; check its path", .directory.display())]
-    NoResults {
-        /// The directory.
-        directory: PathBuf,
-        /// Name of the file.
-        file: &'static str,
-    },
+    NoResults { directory: PathBuf, file: &'static str },
     /// A file of results is damaged.
     #[error("{place}: {problem}; correct it, or run the scenario again")]
     Damaged {
         /// The file, with the line if it is a table.
         place: String,
-        /// Cause.
         problem: String,
     },
     /// Two runs that cannot be compared.
     #[error("{} and {} have no {what} in common; compare runs of like scenarios", .first.display(), .second.display())]
     NothingCommon {
-        /// Directory of a run.
         first: PathBuf,
-        /// Directory of the other run.
         second: PathBuf,
         /// Column or time.
         what: &'static str,
@@ -133,41 +101,26 @@ pub enum Error {
         .units[0], .directories[0].display(), .units[1], .directories[1].display()
     )]
     OtherUnit {
-        /// Name of the column.
         column: String,
         /// Its units.
         units: [String; 2],
-        /// Directories of the runs.
         directories: [PathBuf; 2],
     },
     /// The directory of results is a file.
     #[error("{} is a file, and the results need a directory; choose another one with `--out`", .path.display())]
-    NotDirectory {
-        /// The file.
-        path: PathBuf,
-    },
+    NotDirectory { path: PathBuf },
     /// A checkpoint cannot be used.
     #[error("cannot resume from {}: {problem}", .path.display())]
-    Checkpoint {
-        /// The file.
-        path: PathBuf,
-        /// Cause.
-        problem: String,
-    },
+    Checkpoint { path: PathBuf, problem: String },
     /// A directory has no checkpoint from which a run could be resumed.
     #[error(
         "{} has no checkpoint; a run writes them if the scenario sets `output.checkpoint_every` or `output.checkpoint_minutes`, and when it is interrupted", .directory.display()
     )]
-    NoCheckpoint {
-        /// The directory.
-        directory: PathBuf,
-    },
+    NoCheckpoint { directory: PathBuf },
     /// A column that the tables of a run do not have.
     #[error("{} has no column `{column}`{advice} Known here: {known}", .directory.display())]
     NoColumn {
-        /// The directory.
         directory: PathBuf,
-        /// Name of the column.
         column: String,
         /// End of the sentence, with the nearest name if one is near.
         advice: String,
@@ -176,16 +129,10 @@ pub enum Error {
     },
     /// A page cannot be written to a file of this name, which may be that of other data.
     #[error("cannot write {}: the page of `plot` is HTML; give `--out` a name that ends in .html", .path.display())]
-    Page {
-        /// The file.
-        path: PathBuf,
-    },
+    Page { path: PathBuf },
     /// Two runs that are compared with a tolerance end at different times.
     #[error("the runs end at the times {} and {}, and only their common time is compared; with a tolerance they must end at the same time", .ends[0], .ends[1])]
-    Ends {
-        /// Ends of the runs.
-        ends: [f64; 2],
-    },
+    Ends { ends: [f64; 2] },
     /// Two runs differ by more than is allowed.
     #[error("the column `{column}` differs by {difference:.3e}, and the tolerance is {tolerance:e}")]
     Differ {
@@ -193,7 +140,6 @@ pub enum Error {
         column: String,
         /// Difference relative to its largest value.
         difference: f64,
-        /// The tolerance.
         tolerance: f64,
     },
     /// A directory holds a run that has not come to its end, which a new one would remove.
@@ -202,35 +148,22 @@ pub enum Error {
          remove its files checkpoint-*.bin", .directory.display()
     )]
     Unfinished {
-        /// The directory.
         directory: PathBuf,
         /// Step of its last checkpoint.
         step: usize,
     },
     /// A directory cannot take the results of a run.
     #[error("{} {problem}; choose another directory with `--out`, or replace the results in it with `--overwrite`", .path.display())]
-    Directory {
-        /// The directory.
-        path: PathBuf,
-        /// Cause.
-        problem: &'static str,
-    },
+    Directory { path: PathBuf, problem: &'static str },
     /// The copy of a scenario would replace the scenario itself.
     #[error("{} has the scenario that is run, which its copy with all changes would replace; choose another directory with `--out`", .path.display())]
-    Input {
-        /// The directory.
-        path: PathBuf,
-    },
+    Input { path: PathBuf },
     /// Another run writes into a directory.
     #[error("another run writes into {}; choose another directory with `--out`", .path.display())]
-    Busy {
-        /// The directory.
-        path: PathBuf,
-    },
+    Busy { path: PathBuf },
     /// A run was stopped; it can be resumed.
     #[error("stopped after step {step}; resume it with `cutwater run --resume {}`", .directory.display())]
     Interrupted {
-        /// The directory.
         directory: PathBuf,
         /// The last step.
         step: usize,

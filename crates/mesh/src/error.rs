@@ -4,13 +4,13 @@ use crate::{CellId, FacetId, ParameterError, VertexId};
 
 /// Errors of mesh construction and generation.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "fields are named after what they contain")]
 pub enum Error {
     /// The length of the connectivity is not a multiple of the vertices per cell.
     #[error("the connectivity has {length} entries, but must have a multiple of {stride}, the vertices per cell")]
     Stride {
         /// Entries given.
         length: usize,
-        /// Vertices per cell.
         stride: usize,
     },
     /// The mesh has no cells.
@@ -18,24 +18,13 @@ pub enum Error {
     Empty,
     /// A cell has a vertex that does not exist.
     #[error("cell {cell} has vertex {vertex}, but the mesh has only {n_vertices} vertices")]
-    UnknownVertex {
-        /// The cell.
-        cell: CellId,
-        /// The vertex.
-        vertex: VertexId,
-        /// Vertices in the mesh.
-        n_vertices: usize,
-    },
+    UnknownVertex { cell: CellId, vertex: VertexId, n_vertices: usize },
     /// A coordinate is NaN or infinite.
     #[error("vertex {vertex} has a coordinate that is NaN or infinite")]
-    NotFinite {
-        /// The vertex.
-        vertex: VertexId,
-    },
+    NotFinite { vertex: VertexId },
     /// A cell has no volume or is inverted.
     #[error("cell {cell} has volume {volume:e}, but it must be positive (reorder its vertices)")]
     Orientation {
-        /// The cell.
         cell: CellId,
         /// Its signed volume.
         volume: f64,
@@ -45,7 +34,6 @@ pub enum Error {
         "vertex {vertex} has the radius {radius:e}, but axisymmetric coordinates need radii of zero and more (the first coordinate)"
     )]
     BehindAxis {
-        /// The vertex.
         vertex: VertexId,
         /// Its radius.
         radius: f64,
@@ -56,7 +44,6 @@ pub enum Error {
     /// More than two cells share a facet.
     #[error("facet {facet} is shared by more than two cells ({cells:?} and another one)")]
     NonManifold {
-        /// The facet.
         facet: FacetId,
         /// Two of the cells.
         cells: [CellId; 2],
@@ -66,16 +53,8 @@ pub enum Error {
     Parameter(#[from] ParameterError),
     /// The triangulation failed.
     #[error("cannot triangulate: {reason}")]
-    Triangulation {
-        /// The reason.
-        reason: String,
-    },
+    Triangulation { reason: String },
     /// The shape has no generator in this dimension.
     #[error("there is no generator for {shape} in dimension {dimension}")]
-    Dimension {
-        /// The shape.
-        shape: &'static str,
-        /// The dimension.
-        dimension: usize,
-    },
+    Dimension { shape: &'static str, dimension: usize },
 }

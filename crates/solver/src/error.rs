@@ -8,6 +8,7 @@ pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Error of a setup, a state or a step.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "fields are named after what they contain")]
 pub enum Error {
     /// A parameter of the setup is out of range.
     #[error("a parameter of the setup is out of range")]
@@ -17,17 +18,13 @@ pub enum Error {
     Contact {
         /// Index of the contact in the setup.
         contact: usize,
-        /// Cause.
         source: contact::Error,
     },
     /// A body and the fluid are described in different coordinates.
     #[error(
         "body {body} is not described in the coordinates of the background; make both meshes axisymmetric, or both Cartesian"
     )]
-    Coordinates {
-        /// Name of the body.
-        body: String,
-    },
+    Coordinates { body: String },
     /// A side of the background lies on the axis of axisymmetric coordinates and has another condition than symmetry.
     #[error(
         "a side of the background lies on the axis of rotation, so its condition must be symmetry across the radius"
@@ -53,10 +50,7 @@ pub enum Error {
          force of the fluid and of given pressures, and whether the results of earlier steps are plausible; for a body that may come that far enlarge \
          the background, give it a contact with the wall, or hold it"
     )]
-    LeftDomain {
-        /// Name of the body.
-        body: String,
-    },
+    LeftDomain { body: String },
     /// A contact law depends on a stress that the setup does not have: that of the solid for a rigid or prescribed
     /// slave, or that of the fluid without a fluid.
     #[error(
@@ -65,7 +59,6 @@ pub enum Error {
         if *stress == StressSource::Fluid { "fluid" } else { "solid" }
     )]
     MissingStress {
-        /// The stress.
         stress: StressSource,
         /// Name of the slave.
         body: String,
@@ -79,7 +72,6 @@ pub enum Error {
     UnstableShare {
         /// Weight of the fluid's traction.
         alpha: f64,
-        /// Name of the body.
         body: String,
         /// Smaller eigenvalue of the penalty.
         penalty: f64,
@@ -89,11 +81,9 @@ pub enum Error {
     /// Lists of numbers do not have the lengths of a state of this setup: they belong to another problem.
     #[error("the state does not belong to this problem: {what}: {found} numbers, not {expected}")]
     Lists {
-        /// The list.
         what: &'static str,
         /// Its length in this setup.
         expected: usize,
-        /// The length that was found.
         found: usize,
     },
     /// Newton's method failed; the error contains the history of residuals.
@@ -140,7 +130,6 @@ pub enum Error {
     Multipliers {
         /// Index of the contact in the setup.
         contact: usize,
-        /// Number of solves.
         solves: usize,
         /// Largest change of the traction between the last two solves, force per area.
         change: f64,
@@ -156,7 +145,6 @@ pub enum Error {
          cells of the body or a stiffer material"
     )]
     Inverted {
-        /// Name of the body.
         body: String,
         /// Middle of the cell.
         place: Vec<f64>,

@@ -90,25 +90,17 @@ pub struct LinearReport {
 
 /// Errors of linear solvers.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "fields are named after what they contain")]
 pub enum LinearError {
     /// A row of the matrix is zero: an unknown has no equation. Constrain it, or take it out of the system.
     #[error("row {row} of the matrix is zero")]
-    EmptyRow {
-        /// The row.
-        row: usize,
-    },
+    EmptyRow { row: usize },
     /// A column of the matrix is zero: an unknown acts on nothing. Constrain it, or take it out of the system.
     #[error("column {column} of the matrix is zero")]
-    EmptyColumn {
-        /// The column.
-        column: usize,
-    },
+    EmptyColumn { column: usize },
     /// An entry of the matrix or of the right-hand side is infinite or NaN.
     #[error("row {row} of the linear system is not finite")]
-    NotFinite {
-        /// Row of the entry.
-        row: usize,
-    },
+    NotFinite { row: usize },
     /// The matrix has no inverse because of its pattern.
     #[error("the matrix is structurally singular (no pivot number {pivot})")]
     StructurallySingular {
@@ -138,17 +130,13 @@ pub enum LinearError {
     /// An iterative method stopped before its tolerance.
     #[error("no convergence in {iterations} iterations (relative residual {residual:e})")]
     NotConverged {
-        /// Iterations done.
         iterations: usize,
         /// Relative residual that was reached.
         residual: f64,
     },
     /// The factors need more memory than there is, or more entries than 32-bit indices can number.
     #[error("out of memory while factorising {n_unknowns} unknowns")]
-    OutOfMemory {
-        /// Size of the system.
-        n_unknowns: usize,
-    },
+    OutOfMemory { n_unknowns: usize },
     /// Stored lists are not the memory of a solver of this kind.
     #[error("the stored memory of the linear solver is not that of this solver")]
     Memory,

@@ -70,6 +70,7 @@ pub struct ScenarioError {
 
 /// Cause of an error, with the remedy.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "fields are named after what they contain")]
 pub enum ErrorKind {
     /// The text is not TOML.
     #[error("not valid TOML: {0}")]
@@ -80,13 +81,10 @@ pub enum ErrorKind {
     /// A key, value or name that does not exist.
     #[error("unknown {what} `{found}`{advice} Known here: {known}")]
     Unknown {
-        /// Kind of the named thing.
         what: &'static str,
-        /// The name.
         found: String,
         /// End of the sentence, with the nearest known name if one is near.
         advice: String,
-        /// All known names.
         known: String,
     },
     /// A missing key.
@@ -95,7 +93,6 @@ pub enum ErrorKind {
     /// A missing key whose declaration is known.
     #[error("the key `{key}` is missing; add it: {value}")]
     Needed {
-        /// Name of the key.
         key: &'static str,
         /// Type, range and unit of its value, and its meaning.
         value: String,
@@ -110,20 +107,10 @@ pub enum ErrorKind {
     },
     /// A number out of its range, infinite or NaN.
     #[error("this is {}, but must be {must}", shown(*.value))]
-    Range {
-        /// The number.
-        value: f64,
-        /// The range.
-        must: String,
-    },
+    Range { value: f64, must: String },
     /// A vector of the wrong length.
     #[error("this has {found} components, but dimension = {dimension} needs {dimension}")]
-    Components {
-        /// Number of components.
-        found: usize,
-        /// Dimension of space.
-        dimension: usize,
-    },
+    Components { found: usize, dimension: usize },
     /// A key that has no effect with another setting.
     #[error("this has no effect with {0}: take it out")]
     NoEffect(&'static str),

@@ -1,14 +1,13 @@
 //! Output, files and exit codes of the binary.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Output;
 
-fn case() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/cases/virtual-barrier.toml")
-}
+use crate::setting::{case, command, file, fresh, succeeded, text};
 
+/// Runs a command with the case on a coarse mesh, in three steps.
 fn cutwater(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_cutwater"));
+    let mut command = command();
     command.args(&arguments[..1]).arg(case()).args(&arguments[1..]);
     for set in ["background.size=1.0", "body.0.shape.size=1.0", "time.end=0.003"] {
         command.args(["--set", set]);
@@ -16,24 +15,17 @@ fn cutwater(arguments: &[&str]) -> Output {
     command.output().expect("the binary starts")
 }
 
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
 /// Checks that the picture of a run can be drawn.
 fn check_picture(directory: &Path) {
     let picture = directory.join("run.png");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_cutwater"));
-    let drawn = command.arg("report").arg(directory).arg("--picture").arg(&picture).output().expect("a start");
+    let drawn = command().arg("report").arg(directory).arg("--picture").arg(&picture).output().expect("a start");
     assert!(drawn.status.success(), "{}", text(&drawn.stderr));
     assert!(std::fs::read(&picture).expect("a picture").starts_with(b"\x89PNG"));
 }
 
 #[test]
 fn check_prints_sizes_and_runs_nothing() {
-    let output = cutwater(&["check"]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let printed = text(&output.stdout);
+    let printed = succeeded(&cutwater(&["check"]));
     for word in ["background:", "body ball:", "unknowns", "steps: 3"] {
         assert!(printed.contains(word), "{printed}");
     }
@@ -41,11 +33,9 @@ fn check_prints_sizes_and_runs_nothing() {
 
 #[test]
 fn run_writes_into_the_directory_and_prints_lines() {
-    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("run");
+    let directory = fresh("run", "run");
     let shown = directory.display().to_string();
-    let output = cutwater(&["run", "--out", &shown, "--timings"]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let printed = text(&output.stdout);
+    let printed = succeeded(&cutwater(&["run", "--out", &shown, "--timings"]));
     assert!(printed.contains("step 3/3") && printed.contains("d_min"), "{printed}");
     for file in ["history.csv", "summary.json", "frames.json", "report.html"] {
         assert!(directory.join(file).exists(), "{file}");
@@ -69,7 +59,7 @@ fn run_writes_into_the_directory_and_prints_lines() {
             && printed.contains("cm, between ball and its obstacle at rest")
     );
     let page = std::fs::read_to_string(directory.join("report.html")).expect("a page");
-    let again = Command::new(env!("CARGO_BIN_EXE_cutwater")).arg("report").arg(&directory).output().expect("a start");
+    let again = command().arg("report").arg(&directory).output().expect("a start");
     assert!(again.status.success() && text(&again.stdout).trim().ends_with("report.html"));
     assert_eq!(std::fs::read_to_string(directory.join("report.html")).expect("a page"), page);
     check_picture(&directory);
@@ -91,23 +81,19 @@ fn run_writes_into_the_directory_and_prints_lines() {
 
 #[test]
 fn a_scenario_without_a_fluid_is_checked_run_and_reported() {
-    let scenario = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("dry.toml");
     let text_of_case = std::fs::read_to_string(case()).expect("the case");
     let (begin, bodies) = (text_of_case.find("[fluid]"), text_of_case.find("[[body]]"));
     let part = |from: Option<usize>, to: Option<usize>| &text_of_case[from.expect("a section")..to.expect("a section")];
     let dry = [part(Some(0), begin), part(bodies, Some(text_of_case.len()))].concat();
-    std::fs::write(&scenario, dry).expect("a writable directory");
-    let cutwater = |command: &str, more: &[&str]| {
+    let scenario = file("run", "dry.toml", &dry);
+    let cutwater = |name: &str, more: &[&str]| {
         let sets = ["--set", "body.0.shape.size=1.0", "--set", "time.end=0.003"];
-        let mut binary = Command::new(env!("CARGO_BIN_EXE_cutwater"));
-        let output = binary.arg(command).arg(&scenario).args(sets).args(more).output().expect("the binary starts");
-        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-        text(&output.stdout)
+        succeeded(&command().arg(name).arg(&scenario).args(sets).args(more).output().expect("the binary starts"))
     };
     let printed = cutwater("check", &[]);
     assert!(printed.contains("body ball:") && printed.contains("steps: 3"), "{printed}");
     assert!(!printed.contains("background"), "{printed}");
-    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("dry-run");
+    let directory = fresh("run", "dry-run");
     let units = "units={ length = \"mm\", mass = \"g\", time = \"ms\" }";
     let printed = cutwater("run", &["--out", &directory.display().to_string(), "--set", units]);
     assert!(printed.contains("step 3/3") && !printed.contains("stabilisation"), "{printed}");
@@ -128,10 +114,8 @@ fn timing(printed: &str, name: &str) -> (usize, f64) {
 
 #[test]
 fn timings_of_all_stages_and_contributions() {
-    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("timings");
-    let output = cutwater(&["run", "--out", &directory.display().to_string(), "--timings", "--quiet"]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let printed = text(&output.stdout);
+    let directory = fresh("run", "timings");
+    let printed = succeeded(&cutwater(&["run", "--out", &directory.display().to_string(), "--timings", "--quiet"]));
     for stage in ["cut", "space", "transfer", "pattern"] {
         assert_eq!(timing(&printed, stage).0, 3, "once per step: {printed}");
     }
@@ -162,7 +146,7 @@ fn bad_input_exits_with_2_and_the_place() {
 
 #[test]
 fn a_failed_run_exits_with_1_and_the_residuals() {
-    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("failed");
+    let directory = fresh("run", "failed");
     let shown = directory.display().to_string();
     let output = cutwater(&["run", "--out", &shown, "--set", "solver.newton.max_iterations=1"]);
     assert_eq!(output.status.code(), Some(1));
@@ -175,16 +159,15 @@ fn a_failed_run_exits_with_1_and_the_residuals() {
 
 #[test]
 fn a_report_of_what_is_no_run_exits_with_2() {
-    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-run");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_cutwater"));
-    let output = command.arg("report").arg(&directory).output().expect("the binary starts");
+    let directory = fresh("run", "no-run");
+    let output = command().arg("report").arg(&directory).output().expect("the binary starts");
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("summary.json"), "{}", text(&output.stderr));
 }
 
 #[test]
 fn the_help_states_the_exit_codes() {
-    let output = Command::new(env!("CARGO_BIN_EXE_cutwater")).arg("--help").output().expect("the binary starts");
+    let output = command().arg("--help").output().expect("the binary starts");
     let printed = text(&output.stdout);
     assert!(["Exit codes:", "130", "file, line, key"].iter().all(|words| printed.contains(words)), "{printed}");
 }

@@ -1,5 +1,4 @@
 //! Runs that are stopped and resumed.
-#![cfg(unix)]
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,6 +7,8 @@ use std::time::{Duration, Instant};
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::SplitMix64;
+
+use crate::setting::{self, case, fresh};
 
 /// Changes to the case: a coarse mesh, checkpoints, and an end after the first contact.
 const SETS: [&str; 7] = [
@@ -23,20 +24,17 @@ const SETS: [&str; 7] = [
 const N_KILLS: usize = 50;
 
 fn directory(name: &str) -> PathBuf {
-    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("checkpoints").join(name);
-    let _ = std::fs::remove_dir_all(&directory);
-    directory
+    fresh("checkpoints", name)
 }
 
 /// Returns the command that starts a run, or resumes it.
 fn command(directory: &Path, resumes: bool, more: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_cutwater"));
+    let mut command = setting::command();
     command.arg("run").stdout(Stdio::piped()).stderr(Stdio::piped());
     if resumes {
         command.arg("--resume").arg(directory);
     } else {
-        let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/cases/virtual-barrier.toml");
-        command.arg(case).arg("--out").arg(directory);
+        command.arg(case()).arg("--out").arg(directory);
         SETS.iter().for_each(|set| _ = command.args(["--set", set]));
     }
     command.args(more);

@@ -1,7 +1,8 @@
 //! Output, files and exit codes of `cutwater compare`, `plot`, `resume` and `schema`.
 
 use std::path::PathBuf;
-use std::process::{Command, Output};
+
+use crate::setting::{cutwater, file, fresh, succeeded, text};
 
 /// An elastic block in free fall.
 const FALL: &str = r#"
@@ -28,31 +29,18 @@ checkpoint_every = 5
 corner = { kind = "marker", body = "block", at = [0, 0] }
 "#;
 
-fn cutwater(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_cutwater")).args(arguments).output().expect("the binary starts")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-/// Returns the path of a file or directory of this test.
+/// Returns the path of a new file or directory of these tests.
 fn path(name: &str) -> String {
-    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("compare");
-    std::fs::create_dir_all(&directory).expect("a directory");
-    directory.join(name).display().to_string()
+    fresh("compare", name).display().to_string()
 }
 
 /// Runs [`FALL`] with changes by `--set` in a new directory, and returns the directory.
 fn run(name: &str, sets: &[&str]) -> String {
-    let (scenario, directory) = (path(&format!("{name}.toml")), path(name));
-    std::fs::write(&scenario, FALL).expect("a file");
-    let _ = std::fs::remove_dir_all(&directory);
+    let (scenario, directory) = (file("compare", &format!("{name}.toml"), FALL), path(name));
     let sets = sets.iter().flat_map(|set| ["--set", set]);
     let arguments: Vec<&str> =
         ["run", &scenario, "--out", &directory, "--quiet", "--no-report"].into_iter().chain(sets).collect();
-    let output = cutwater(&arguments);
-    assert!(output.status.success(), "{}", text(&output.stderr));
+    succeeded(&cutwater(&arguments));
     directory
 }
 
@@ -60,7 +48,7 @@ fn run(name: &str, sets: &[&str]) -> String {
 fn runs_are_compared_column_by_column() {
     let [first, same, other] = [run("first", &[]), run("same", &[]), run("other", &["body.0.gravity=[0, -11]"])];
     let output = cutwater(&["compare", &first, &same, "--tolerance", "0"]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    succeeded(&output);
     assert!(text(&output.stdout).contains(" columns are equal, 0 differ"), "{}", text(&output.stdout));
     let output = cutwater(&["compare", &first, &other, "--tolerance", "0.05"]);
     assert_eq!(output.status.code(), Some(1));
@@ -141,7 +129,7 @@ fn columns_are_plotted() {
     let (first, page) = (run("plotted", &[]), path("plot.html"));
     let output =
         cutwater(&["plot", &first, &first, "--column", "corner_y", "--column", "energy_elastic", "--out", &page]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    succeeded(&output);
     let html = std::fs::read_to_string(&page).expect("a page");
     assert!(html.matches("<figure class=\"chart\"").count() == 2 && html.contains("<h4>energy_elastic [J/m]</h4>"));
     assert!(html.contains("<h4>corner_y [m]</h4>") && html.matches("\"x_label\":\"time [s]\"").count() == 2);
@@ -169,7 +157,7 @@ fn a_resumed_run_is_compared_with_a_whole_one() {
         assert!(text(&output.stderr).contains("the probes are not those of the run"), "{}", text(&output.stderr));
     }
     let output = cutwater(&["resume", &short, "--set", "time.end=0.1", "--quiet"]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    succeeded(&output);
     let output = cutwater(&["compare", &short, &whole, "--tolerance", "1e-12"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
 }

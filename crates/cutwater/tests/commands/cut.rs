@@ -1,30 +1,23 @@
 //! Output, files and exit codes of `cutwater cut`.
 
-use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::Output;
+
+use crate::setting::{cutwater, file, fresh, succeeded, text};
 
 const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
 fn cut(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_cutwater")).arg("cut").args(arguments).output().expect("the binary starts")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
+    cutwater(&[&["cut"], arguments].concat())
 }
 
 fn surface(name: &str, content: &str) -> String {
-    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    std::fs::write(&path, content).expect("a file");
-    path.display().to_string()
+    file("cut", name, content)
 }
 
 #[test]
 fn json_is_one_object_with_the_promised_keys() {
     let path = surface("json.obj", TETRAHEDRON);
-    let output = cut(&[&path, "--grid", "5", "--rotate", "1", "--shift", "2", "--json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let printed = text(&output.stdout);
+    let printed = succeeded(&cut(&[&path, "--grid", "5", "--rotate", "1", "--shift", "2", "--json"]));
     let mut rest = printed.as_str();
     let keys = "cells cut_cells covered_cells parts_max domain_volume fluid_volume solid_volume surface_area \
                 smallest_fraction seconds classify clip quadrature total max_relative_error partition normals divergence \
@@ -40,10 +33,8 @@ fn json_is_one_object_with_the_promised_keys() {
 #[test]
 fn the_table_has_volumes_and_files_are_written() {
     let path = surface("table.obj", TETRAHEDRON);
-    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("cut-files");
-    let output = cut(&[&path, "--grid", "3", "--out", &directory.display().to_string()]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let printed = text(&output.stdout);
+    let directory = fresh("cut", "files");
+    let printed = succeeded(&cut(&[&path, "--grid", "3", "--out", &directory.display().to_string()]));
     assert!(printed.contains("solid 0.1666") && printed.contains("partition"), "{printed}");
     assert!(["fluid.vtu", "body.vtu", "interface.vtu"].iter().all(|name| directory.join(name).exists()));
 }
@@ -80,8 +71,7 @@ fn what_cannot_be_cut_exits_with_2_and_names_the_place() {
 /// Returns the summary of a cut, as text.
 fn summary(path: &str, more: &[&str]) -> String {
     let output = cut(&[&[path, "--json"], more].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    text(&output.stdout)
+    succeeded(&output)
 }
 
 fn number(summary: &str, key: &str) -> f64 {
@@ -101,7 +91,6 @@ fn scaled(factor: f64, shift: f64) -> String {
 
 #[test]
 fn the_volume_of_a_small_body_in_a_large_box_is_accurate() {
-    let box_mesh = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("large-box.vtk");
     // One cube of six tetrahedra, from -10 to 140 along each axis.
     let corners: Vec<String> = (0..8)
         .map(|k| (0..3).map(|axis| if k >> axis & 1 == 0 { "-10" } else { "140" }).collect::<Vec<_>>().join(" "))
@@ -113,10 +102,10 @@ fn the_volume_of_a_small_body_in_a_large_box_is_accurate() {
         corners.join("\n"),
         "10\n".repeat(6),
     );
-    std::fs::write(&box_mesh, vtk).expect("a file");
+    let box_mesh = file("cut", "large-box.vtk", &vtk);
     for size in [1.0, 1e-3, 3e-4] {
         let path = surface("small.obj", &scaled(size, 37.0));
-        let found = number(&summary(&path, &["--background", &box_mesh.display().to_string()]), "solid_volume");
+        let found = number(&summary(&path, &["--background", &box_mesh]), "solid_volume");
         let exact = size.powi(3) / 6.0;
         // Coordinates have round-off relative to 37.
         let room = 20.0 * 37.0 * f64::EPSILON / size;

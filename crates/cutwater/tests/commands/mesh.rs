@@ -1,7 +1,8 @@
 //! Output, files and exit codes of `cutwater mesh`.
 
-use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::Output;
+
+use crate::setting::{self, cutwater, fresh, succeeded, text};
 
 /// A rectangle of two triangles, one of them turned, with groups; a third triangle apart from it.
 const SQUARE: &str = r#"$MeshFormat
@@ -33,29 +34,20 @@ $EndElements
 "#;
 
 fn mesh(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_cutwater")).arg("mesh").args(arguments).output().expect("the binary starts")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
+    cutwater(&[&["mesh"], arguments].concat())
 }
 
 fn path(name: &str) -> String {
-    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("mesh");
-    std::fs::create_dir_all(&directory).expect("a directory");
-    directory.join(name).display().to_string()
+    fresh("mesh", name).display().to_string()
 }
 
 fn file(name: &str, content: &str) -> String {
-    let path = path(name);
-    std::fs::write(&path, content).expect("a file");
-    path
+    setting::file("mesh", name, content)
 }
 
 #[test]
 fn info_prints_counts_sizes_quality_and_groups() {
-    let output = mesh(&["info", &file("square.msh", SQUARE)]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let printed = succeeded(&mesh(&["info", &file("square.msh", SQUARE)]));
     let expected = "\
 dimension   2
 elements    3 triangles of order 1, in 2 connected parts
@@ -71,7 +63,7 @@ boundary    (no group): 5 elements, length 6.414214e0
 boundary    `wall`: 2 elements, length 3.000000e0
 note        1 cells had a negative volume; the order of their nodes was reversed
 ";
-    assert_eq!(text(&output.stdout), expected);
+    assert_eq!(printed, expected);
     let open = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
     let output = mesh(&["info", &file("open.obj", open)]);
     let printed = text(&output.stdout);
@@ -81,21 +73,24 @@ note        1 cells had a negative volume; the order of their nodes was reversed
 #[test]
 fn convert_writes_the_same_mesh() {
     let square = file("convert.msh", SQUARE);
-    for (name, options) in [("a.msh", &["--binary"][..]), ("b.msh", &["--version", "2.2"]), ("c.msh", &[])] {
+    for (name, options, begin) in [
+        ("a.msh", &["--binary"][..], "$MeshFormat\n4.1 1 8\n"),
+        ("b.msh", &["--version", "2.2"], "$MeshFormat\n2.2 0 8\n"),
+        ("c.msh", &[], "$MeshFormat\n4.1 0 8\n"),
+    ] {
         let converted = path(name);
-        let output = mesh(&[&["convert", &square, &converted][..], options].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        succeeded(&mesh(&[&["convert", &square, &converted][..], options].concat()));
         let [before, after] = [&square, &converted].map(|file| text(&mesh(&["info", file]).stdout));
         assert!(before.starts_with(&after) && !after.is_empty(), "{before}\n{after}");
+        assert!(std::fs::read(converted).expect("a file").starts_with(begin.as_bytes()));
     }
-    assert!(std::fs::read(path("a.msh")).expect("a file").starts_with(b"$MeshFormat\n4.1 1 8\n"));
-    assert!(std::fs::read(path("b.msh")).expect("a file").starts_with(b"$MeshFormat\n2.2 0 8\n"));
     let tetrahedron = file("closed.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
     let surface = path("closed.stl");
     assert_eq!(mesh(&["convert", &tetrahedron, &surface]).status.code(), Some(0));
     assert!(text(&mesh(&["info", &surface]).stdout).contains("volume      1.666667e-1"));
-    assert!(mesh(&["convert", &square, &path("square.vtu")]).status.success());
-    let info = text(&mesh(&["info", &path("square.vtu")]).stdout);
+    let vtu = path("square.vtu");
+    assert!(mesh(&["convert", &square, &vtu]).status.success());
+    let info = text(&mesh(&["info", &vtu]).stdout);
     assert!(info.contains("3 triangles of order 1") && info.contains("area        2.500000e0"), "{info}");
 }
 

@@ -4,23 +4,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-const SMALL: [&str; 3] = ["background.size=1.0", "body.0.shape.size=1.0", "time.end=0.002"];
+use crate::setting::{self, case};
 
-fn case() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/cases/virtual-barrier.toml")
-}
+const SMALL: [&str; 3] = ["background.size=1.0", "body.0.shape.size=1.0", "time.end=0.002"];
 
 /// Returns a directory that does not exist.
 fn fresh(name: &str) -> PathBuf {
-    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("directories").join(name);
-    if directory.exists() {
-        fs::remove_dir_all(&directory).expect("a removable directory");
-    }
-    directory
+    setting::fresh("directories", name)
 }
 
 fn command(scenario: &Path, out: &Path, more: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_cutwater"));
+    let mut command = setting::command();
     command.arg("run").arg(scenario).arg("--no-report").arg("--out").arg(out);
     SMALL.iter().for_each(|set| _ = command.args(["--set", set]));
     command.args(more);
@@ -105,7 +99,7 @@ fn closed_and_full_streams_are_no_panics() {
     let output = command(&case(), &directory, &[]).stdout(full()).stderr(Stdio::piped()).output().expect("a start");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(directory.join("summary.json").is_file());
-    let mut check = Command::new(env!("CARGO_BIN_EXE_cutwater"));
+    let mut check = setting::command();
     check.arg("check").arg(case()).stdout(full()).stderr(Stdio::piped());
     SMALL.iter().for_each(|set| _ = check.args(["--set", set]));
     let output = check.output().expect("a start");
