@@ -9,7 +9,8 @@ use crate::{BodyState, StepTime};
 /// A surface in one step.
 ///
 /// The background mesh is cut at `geometry`. Contact acts at the shifted positions of [`algebra::time::Weights`]:
-/// `start` at the start of the step, `end` at its end. The difference is the velocity times the length of the step.
+/// `start` at the start of the step, `end` at its end. The difference is the velocity times the length of the step; for
+/// a rigid body, which turns, up to an error of third order in the angle.
 pub struct SurfaceMotion<'s, const D: usize> {
     /// The surface.
     pub boundary: &'s BoundaryMesh<D>,

@@ -27,8 +27,9 @@ pub struct FluidCell<'a, const D: usize> {
     pub pressures: [f64; MAX_CELL_VERTICES],
     /// The film in the part, if there is one.
     pub film: Option<&'a FilmPart<D>>,
+    /// The part.
+    pub part: PartId,
     geometry: FluidGeometry<'a, D>,
-    part: PartId,
 }
 
 impl<const D: usize> FluidCell<'_, D> {

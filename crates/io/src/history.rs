@@ -188,6 +188,19 @@ struct Columns<const D: usize> {
     of_run: Vec<RunColumn<D>>,
 }
 
+/// Returns the columns of `history.csv` and `diagnostics.csv`.
+fn tables<const D: usize>() -> [Columns<D>; 2] {
+    [
+        Columns { of_bodies: history_of_bodies(), of_run: history_of_run() },
+        Columns { of_bodies: diagnostics_of_bodies(), of_run: diagnostics_of_run() },
+    ]
+}
+
+/// Returns the names of the columns of `history.csv` and `diagnostics.csv` after the time, with units.
+pub(crate) fn columns<const D: usize>(setup: &Setup<D>, units: &UnitLabels) -> Vec<String> {
+    tables().iter().flat_map(|table: &Columns<D>| table.names(setup, units).into_iter().skip(1)).collect()
+}
+
 impl<const D: usize> Columns<D> {
     /// Returns the header.
     fn names(&self, setup: &Setup<D>, units: &UnitLabels) -> Vec<String> {
@@ -214,8 +227,7 @@ impl<const D: usize> History<D> {
         (probes, units): (Vec<Probe<D>>, &UnitLabels),
         lengths: Option<[u64; 3]>,
     ) -> Result<Self, Error> {
-        let history = Columns { of_bodies: history_of_bodies(), of_run: history_of_run() };
-        let diagnostics = Columns { of_bodies: diagnostics_of_bodies(), of_run: diagnostics_of_run() };
+        let [history, diagnostics] = tables();
         let open = |k: usize, names: &[String]| {
             CsvFile::open(directory.join(TABLES[k]), names, lengths.map(|lengths| lengths[k]))
         };

@@ -94,7 +94,7 @@ fn of_order_1<const D: usize>(mesh: SimplexMesh<D>) -> GmshMesh<D> {
 }
 
 /// Numbers of elements, sizes and quality of a mesh or surface.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Default, Clone, Debug, PartialEq)]
 pub struct MeshStatistics {
     /// Dimension of space.
     pub dimension: usize,
@@ -152,12 +152,12 @@ fn edges<const D: usize>(corners: &[Point<D>]) -> impl Iterator<Item = f64> {
 fn of_mesh<const D: usize>(found: &GmshMesh<D>) -> MeshStatistics {
     let GmshMesh { mesh, edge_nodes, n_turned, n_inside, n_ambiguous } = found;
     let name = |tag: Option<mesh::Tag>| tag.map(|tag| mesh.tag_names()[tag.index()].clone());
-    let mut lengths = Lengths::default();
+    let mut lengths = Vec::new();
     let (mut smallest, mut sum) = (f64::INFINITY, 0.0);
     let mut cell_groups: BTreeMap<_, (usize, f64)> = BTreeMap::new();
     for cell in mesh.cells() {
         let simplex = mesh.simplex(cell);
-        lengths.add(simplex.points());
+        lengths.extend(edges(simplex.points()));
         let of_cell = quality(simplex.points(), mesh.cell_volume(cell));
         (smallest, sum) = (smallest.min(of_cell), sum + of_cell);
         add(&mut cell_groups, name(mesh.cell_tag(cell)), mesh.cell_volume(cell));
@@ -176,7 +176,7 @@ fn of_mesh<const D: usize>(found: &GmshMesh<D>) -> MeshStatistics {
         n_vertices: mesh.n_vertices(),
         extent: extent(mesh.vertices()),
         volume: mesh.volume(),
-        edges: lengths.summary(),
+        edges: shortest_mean_longest(&lengths),
         quality: Some([smallest, sum / mesh.n_cells() as f64]),
         n_parts: n_parts(mesh.n_vertices(), mesh.cells().map(|cell| mesh.cell(cell))),
         n_open: 0,
@@ -225,13 +225,13 @@ const FOLDED: f64 = 1e-9;
 
 fn of_surface<const D: usize>(surface: &BoundaryMesh<D>, positions: &[Point<D>]) -> MeshStatistics {
     let placed = Placed::new(surface, positions);
-    let mut lengths = Lengths::default();
+    let mut lengths = Vec::new();
     let mut sides: HashMap<Vec<VertexId>, usize> = HashMap::new();
     let mut boundary_groups = BTreeMap::new();
     for facet in surface.facets() {
         let vertices = surface.facet(facet);
         let corners: Vec<Point<D>> = vertices.iter().map(|vertex| positions[vertex.index()]).collect();
-        lengths.add(&corners);
+        lengths.extend(edges(&corners));
         for k in 0..D {
             let mut side: Vec<VertexId> =
                 vertices.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, v)| *v).collect();
@@ -248,17 +248,11 @@ fn of_surface<const D: usize>(surface: &BoundaryMesh<D>, positions: &[Point<D>])
         n_vertices: positions.len(),
         extent: extent(positions),
         volume: placed.enclosed().volume,
-        edges: lengths.summary(),
-        quality: None,
+        edges: shortest_mean_longest(&lengths),
         n_parts: n_parts(positions.len(), surface.facets().map(|facet| surface.facet(facet))),
         n_open: sides.values().filter(|n| **n != 2).count(),
-        n_turned: 0,
-        n_inside: 0,
-        n_ambiguous: 0,
-        n_folded: 0,
-        first_folded: None,
-        cell_groups: BTreeMap::new(),
         boundary_groups,
+        ..MeshStatistics::default()
     }
 }
 
@@ -272,28 +266,11 @@ fn extent<const D: usize>(points: &[Point<D>]) -> Vec<[f64; 2]> {
     (0..D).map(|axis| [low[axis], high[axis]]).collect()
 }
 
-/// Lengths of edges. An edge contributes once for each of its elements.
-#[derive(Default)]
-struct Lengths {
-    n: usize,
-    sum: f64,
-    shortest: Option<f64>,
-    longest: f64,
-}
-
-impl Lengths {
-    fn add<const D: usize>(&mut self, corners: &[Point<D>]) {
-        for length in edges(corners) {
-            self.n += 1;
-            self.sum += length;
-            self.shortest = Some(self.shortest.map_or(length, |shortest| shortest.min(length)));
-            self.longest = self.longest.max(length);
-        }
-    }
-
-    fn summary(&self) -> [f64; 3] {
-        [self.shortest.unwrap_or(0.0), self.sum / self.n.max(1) as f64, self.longest]
-    }
+/// Returns the shortest, mean and longest length. An edge has a length for each of its elements.
+fn shortest_mean_longest(lengths: &[f64]) -> [f64; 3] {
+    let shortest = lengths.iter().copied().reduce(f64::min).unwrap_or(0.0);
+    let longest = lengths.iter().copied().fold(0.0, f64::max);
+    [shortest, lengths.iter().sum::<f64>() / lengths.len().max(1) as f64, longest]
 }
 
 /// Returns the number of connected parts: sets of elements that share no vertex (by union-find).

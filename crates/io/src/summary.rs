@@ -92,6 +92,10 @@ pub struct Summary {
     /// Largest integral of `|(u - v)·n|` over the interface, divided by the displaced flow. None if bodies rest.
     #[serde(default)]
     pub max_interface_leak: Option<f64>,
+    /// Sum over the steps of the largest relative change of the volume of a closed region of fluid by given velocities,
+    /// which the fluid cannot follow. None without closed regions.
+    #[serde(default)]
+    pub closed_volume_change: Option<f64>,
     /// Newton corrections.
     pub newton_iterations: usize,
     /// Factorisations.
@@ -264,6 +268,9 @@ impl SummaryBuilder {
             self.largest_swept = self.largest_swept.max(flow.swept);
             let leak = flow.leak_absolute / flow.swept.max(1e-2 * self.largest_swept);
             summary.max_interface_leak = Some(summary.max_interface_leak.map_or(leak, |largest| largest.max(leak)));
+        }
+        if let Some(fluid) = report.fluid.as_ref().filter(|fluid| fluid.n_pockets > 0) {
+            *summary.closed_volume_change.get_or_insert(0.0) += report.substep.dt * fluid.pocket_source;
         }
         let tolerance = view.setup.newton.tolerance;
         self.energies.add(report, tolerance);

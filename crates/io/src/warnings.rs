@@ -39,7 +39,7 @@ pub(crate) fn warnings<const D: usize>(scenario: &Scenario, case: &Case<D>, stat
     lines.extend(turning(setup, state.time, &positions, &length));
     lines.extend(large_pressures(scenario, case));
     let deforms = setup.bodies.iter().any(|body| body.deforms());
-    let can_turn = !case.half_domain && scenario.coordinates.is_none();
+    let can_turn = !case.half_domain && !scenario.is_axisymmetric();
     if pressure_lags(setup) && deforms && setup.fluid.is_some() && can_turn {
         lines.push(format!(
             "warning: with {} an elastic body that turns changes its area, and an ambient pressure turns it faster; generalised-alpha does neither",
@@ -176,9 +176,8 @@ fn parabolas<const D: usize>(scenario: &Scenario, setup: &Setup<D>) -> Vec<Strin
 /// Largest distance by which contact may place the surface of a turning body too far out, relative to the contact size.
 const TOO_FAR_OUT: f64 = 0.1;
 
-/// Returns warnings about bodies of given motion that turn too fast for their contacts: generalised-α shifts the points
-/// on which contact acts along their velocities, which takes them up to `|v - v̄|² Δt²/(2 r)` out of the circle on which
-/// they move. Free bodies are turned.
+/// Returns warnings about bodies of given motion that turn too fast for their contacts. Generalised-α shifts points in
+/// contact along their velocities, up to `|v - v̄|² Δt²/(2 r)` out of their circle. Free bodies are turned.
 fn turning<const D: usize>(setup: &Setup<D>, time: f64, positions: &[Vec<Point<D>>], length: &str) -> Vec<String> {
     let (mut lines, mut named) = (Vec::new(), BTreeSet::new());
     if setup.scheme.weights(setup.dt, false).shifted[0].velocity == 0.0 {

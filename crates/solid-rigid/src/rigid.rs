@@ -90,7 +90,8 @@ impl<const D: usize> RigidBody<D> {
         axial == Some(false) || self.held_axes.get(mode).copied().unwrap_or(self.holds_rotation)
     }
 
-    /// Returns the positions of the vertices that a row of a time scheme gives for a spin and zero velocity at the stage.
+    /// Returns the positions of the vertices that a row of a time scheme gives for a spin and zero velocity at the
+    /// stage.
     fn positions_by(&self, motion: &RigidMotion<D>, row: &Row, spin: &Spin) -> Vec<Point<D>> {
         let (centre, rotation) = motion.placed(row, &Vector::zeros(), spin);
         let placed = RigidMotion { centre, rotation, ..*motion };

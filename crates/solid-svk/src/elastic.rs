@@ -111,8 +111,13 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
     }
 
     fn initial(&self) -> BodyState<D> {
-        let options = &self.options;
-        BodyState::new(self.at_start(&options.initial_displacement), self.at_start(&options.initial_velocity))
+        let mut velocity = self.at_start(&self.options.initial_velocity);
+        let nodes = self.solid.nodes().iter().zip(&mut velocity);
+        if let Some(radial) = self.solid.mesh().coordinates().radial() {
+            nodes.filter(|(x, _)| x[radial] == 0.0).for_each(|(_, v)| v[radial] = 0.0);
+        }
+        self.options.supports.iter().for_each(|support| support.stop(&mut velocity));
+        BodyState::new(self.at_start(&self.options.initial_displacement), velocity)
     }
 
     fn step<'s>(

@@ -43,6 +43,18 @@ impl<const D: usize> SupportKind<D> {
 }
 
 impl<const D: usize> Support<D> {
+    /// Removes the components of velocities that the support holds: all of a clamp, and the normal one of a symmetry.
+    pub(crate) fn stop(&self, velocity: &mut [Vector<D>]) {
+        for vertex in &self.vertices {
+            let v = &mut velocity[vertex.index()];
+            match &self.kind {
+                SupportKind::Clamped => *v = Vector::zeros(),
+                SupportKind::Symmetry { normal } => *v -= normal * normal.dot(v),
+                SupportKind::Displacement(_) => {}
+            }
+        }
+    }
+
     /// Prescribes the velocities of the held nodes such that at the end of the step the velocity is zero (clamps), its
     /// normal component is zero (symmetry), or the displacement has the given value.
     ///

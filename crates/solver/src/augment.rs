@@ -1,6 +1,6 @@
 //! The solve of a step, repeated until the multipliers of contacts and the points of collisions no longer change.
 
-use algebra::{NewtonReport, Workspace, newton};
+use algebra::{NewtonReport, NewtonSettings, Workspace, newton};
 use contact::Multipliers;
 
 use crate::{Error, Step};
@@ -8,6 +8,11 @@ use crate::{Error, Step};
 /// Largest number of solves of a step in which multipliers change. A contact whose parameter is a tenth of the
 /// stiffness of its bodies needs 145 for an error of `1e-6`.
 const MOST_SOLVES: usize = 200;
+
+/// Tolerance of Newton's method in a step with a collision, relative to that of other steps.
+const IN_COLLISION: f64 = 1e-4;
+/// Smallest tolerance that a collision sets, well above round-off.
+const LEAST_TOLERANCE: f64 = 1e-12;
 
 impl<const D: usize> Step<'_, D> {
     /// Solves the step from the guess `x` by Newton's method. With [`contact::AugmentedLagrangianLaw`] the tractions of
@@ -20,7 +25,8 @@ impl<const D: usize> Step<'_, D> {
     /// # Errors
     /// Newton's method fails, or the multipliers still change after the largest number of solves.
     pub(crate) fn solve(&mut self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, Error> {
-        let mut report = newton(&self.problem().equations, x, work, &self.setup.newton)?;
+        let settings = self.newton_settings();
+        let mut report = newton(&self.problem().equations, x, work, &settings)?;
         for solves in 1.. {
             // Each point of a collision is added at most a given number of times, so that collisions settle.
             match (self.augment(x), self.settle_collisions(x)) {
@@ -30,7 +36,7 @@ impl<const D: usize> Step<'_, D> {
                 }
                 _ => {}
             }
-            let solved = newton(&self.problem().equations, x, work, &self.setup.newton);
+            let solved = newton(&self.problem().equations, x, work, &settings);
             let mut last = solved.map_err(|mut error| {
                 error.report_mut().add_work(&report);
                 error
@@ -40,6 +46,15 @@ impl<const D: usize> Step<'_, D> {
         }
         self.remove_pressure_means(x);
         Ok(report)
+    }
+
+    /// Returns the settings of Newton's method, with a smaller tolerance in a collision: its weight amplifies errors of
+    /// velocities, which are below the tolerance, to errors of its force.
+    fn newton_settings(&self) -> NewtonSettings {
+        let settings = self.setup.newton;
+        let reduced = (IN_COLLISION * settings.tolerance).max(LEAST_TOLERANCE);
+        let tolerance = if self.has_collision() { reduced.min(settings.tolerance) } else { settings.tolerance };
+        NewtonSettings { tolerance, ..settings }
     }
 
     /// Subtracts the mean from the pressure of each pocket, whose constant the equations do not determine.

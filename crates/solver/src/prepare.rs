@@ -182,6 +182,10 @@ impl<'a, const D: usize> Step<'a, D> {
                 constraints.set(self.layout.dof(fluid.pressure, pocket.dof as usize, 0), 0.0);
             }
         }
+        if let Some(cavitation) = self.fluid.as_mut().and_then(|fluid| fluid.form.cavitation.as_mut()) {
+            cavitation.closed = self.pockets.iter().flat_map(|pocket| pocket.parts.iter().copied()).collect();
+            cavitation.closed.sort_unstable();
+        }
         self.constraints = constraints;
     }
 

@@ -5,9 +5,10 @@ use algebra::time::Weights;
 use body::{Balance, BodyState};
 use contact::{ContactReport, ContactSites};
 use cutcell::CutReport;
-use interface_dg::{InterfaceFlow, InterfaceTraction, interface_flow, interface_tractions};
+use interface_dg::{InterfaceFlow, InterfaceTraction, Pocket, interface_flow, interface_tractions};
 use mesh::{BodyId, Coordinates, Point, Vector};
 
+use crate::fluid_step::FluidStep;
 use crate::setup::Contact;
 use crate::{Error, Ledger, Problem, Setup, SideForce, Step, StepSeconds, Substep};
 
@@ -92,6 +93,9 @@ pub struct FluidReport<const D: usize> {
     pub n_uncovered: usize,
     /// Number of pockets of fluid whose mean pressure was fixed.
     pub n_pockets: usize,
+    /// Largest net flow that given velocities press into a pocket or out of it, relative to its volume, 1/time. The
+    /// fluid of a pocket has nowhere to go, so that this flow ends in a source at one vertex.
+    pub pocket_source: f64,
 }
 
 /// Diagnostics of one time step.
@@ -135,6 +139,7 @@ impl<const D: usize> Problem<'_, D> {
             side_forces: fluid.side_forces(&step.layout, x, &residual),
             n_uncovered: fluid.sources.n_uncovered(),
             n_pockets: step.pockets.len(),
+            pocket_source: step.pocket_source(fluid, &residual),
         });
         let positions = |id: BodyId| ends[id.index()].positions(step.setup.bodies[id.index()].reference());
         let contact = |(contact, sites): (&Contact<D>, &ContactSites<'_, D>)| {
@@ -170,6 +175,18 @@ impl<const D: usize> Problem<'_, D> {
         add_forces(step, fluid.as_ref(), &contacts, &mut bodies);
         let seconds = StepSeconds { assembly: newton.seconds_assembly, linear: newton.seconds_linear, ..step.seconds };
         StepReport { substep, newton, fluid, bodies, contacts, ledger, n_dofs: step.layout.len(), seconds }
+    }
+}
+
+impl<const D: usize> Step<'_, D> {
+    /// Returns the largest source of a pocket relative to its volume: the residual of the equation of the pressure that
+    /// the pocket has constrained is the net flow into the pocket, because all other such equations of its parts hold.
+    fn pocket_source(&self, fluid: &FluidStep<'_, D>, residual: &[f64]) -> f64 {
+        let source = |pocket: &Pocket| {
+            let volume: f64 = pocket.parts.iter().map(|part| fluid.parts.moments(*part).volume()).sum();
+            residual[self.layout.dof(fluid.pressure, pocket.dof as usize, 0).index()].abs() / volume
+        };
+        self.pockets.iter().map(source).fold(0.0, f64::max)
     }
 }
 

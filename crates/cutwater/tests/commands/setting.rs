@@ -1,4 +1,4 @@
-//! What the tests of commands share: starting the binary, files, and what it prints.
+//! Start of the binary, files, and printed text, for the tests of commands.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -1,6 +1,7 @@
 //! Vapour in a thin film.
 
 use algebra::{LocalSystem, Term};
+use cutcell::PartId;
 
 use crate::FluidCell;
 
@@ -23,11 +24,13 @@ pub struct Cavitation {
     /// difference of pressure drives. Pressures fall below the floor by about `1/C` of the differences of pressure in
     /// the film.
     pub stiffness: f64,
+    /// Parts in which no vapour appears, sorted: those of closed regions, whose volume the vapour would have to leave.
+    pub closed: Vec<PartId>,
 }
 
 impl<const D: usize> Term<FluidCell<'_, D>> for Cavitation {
     fn add(&self, cell: &FluidCell<'_, D>, out: &mut LocalSystem) {
-        let Some(film) = cell.film else { return };
+        let Some(film) = cell.film.filter(|_| self.closed.binary_search(&cell.part).is_err()) else { return };
         let conductance: f64 = film.points.iter().map(|(_, weight)| weight / self.viscosity).sum();
         for (i, g) in cell.gradients[..=D].iter().enumerate() {
             let (row, below) = (cell.pressure_row(i), self.floor - cell.pressures[i]);

@@ -10,7 +10,7 @@ use solid_svk::{
     ElasticBody, ElasticOptions, LameParameters, LinearElastic, Load, Material, NeoHookean, SaintVenantKirchhoff,
     SolidForm, SolidMesh, Support, SupportKind,
 };
-use solver::body::{Body, TimeField, VectorInTime};
+use solver::body::{Body, PointField, TimeField, VectorInTime};
 
 use super::error::{ErrorKind, Location, ScenarioError, sorted};
 use super::field::Field;
@@ -28,7 +28,8 @@ keys! {
         name: At<String>,
         /// Shape.
         shape: At<Shape>,
-        /// Shift of the shape from its place, and of the centre of a given rotation.
+        /// Shift of the shape from its place, and of the centre of a given rotation. Positions in formulas of the body are
+        /// those before the shift.
         shift: Option<Components<f64>> [unit(Quantity::LENGTH)],
         /// Shifts of further bodies that are like this one otherwise, named `NAME-2`, `NAME-3` and so on.
         copies: Vec<Components<f64>> [unit(Quantity::LENGTH)],
@@ -55,7 +56,8 @@ keys! {
         /// Mass of the nodes on those parts of the surface of an elastic body that may come into contact. Without mass there the pressure of contact does not oscillate in time. Masses
         /// of cells near these parts are lumped then. For elements of order 1.
         contact_mass: Option<At<ContactMass>>,
-        /// Velocity of an elastic or free body at the start; at rest if left out.
+        /// Velocity of an elastic or free body at the start; at rest if left out. Clamped parts, and motion across planes of
+        /// symmetry, begin at rest.
         initial_velocity: Option<Field> [unit(Quantity::VELOCITY)],
     }
 }
@@ -358,10 +360,14 @@ fn elastic<const D: usize>(
     }
     let form = SolidForm::of_groups(parts, gravity).map_err(|error| density.at.error(error))?;
     let (supports, loads) = match &given.boundary {
-        Some(conditions) => supports_and_loads(conditions, &solid, time, given.initial_displacement.as_ref())?,
+        Some(conditions) => supports_and_loads(given, conditions, &solid, time)?,
         None => Default::default(),
     };
-    let at_start = |field: &Option<Field>| field.as_ref().map(|field| field.at_start(solid.nodes())).transpose();
+    let at_start = |field: &Option<Field>| -> Result<Option<PointField<D>>, ScenarioError> {
+        let Some(field) = field else { return Ok(None) };
+        let field = field.before_shift(given.shift(), solid.nodes(), &[0.0])?;
+        Ok(Some(Arc::new(move |x| field(x, 0.0))))
+    };
     let options = ElasticOptions {
         supports,
         loads,
@@ -461,13 +467,14 @@ const SAME_PLACE: f64 = 1e-9;
 
 /// Checks that a given displacement begins where the body does: a jump would be the motion of the first step.
 fn check_start<const D: usize>(
+    given: &BodyKeys,
     at: &Location,
     points: &[Point<D>],
     displacement: &TimeField<D>,
-    initial: Option<&Field>,
 ) -> Result<(), ScenarioError> {
-    let initial = initial.map(|field| field.at_start(points)).transpose()?;
-    let of_body = |x: &Point<D>| initial.as_ref().map_or(Vector::zeros(), |initial| initial(x));
+    let initial = given.initial_displacement.as_ref();
+    let initial = initial.map(|field| field.before_shift(given.shift(), points, &[0.0])).transpose()?;
+    let of_body = |x: &Point<D>| initial.as_ref().map_or(Vector::zeros(), |initial| initial(x, 0.0));
     let bounds = Aabb::of_points(points);
     let extent = bounds.extent().max().max(bounds.low.amax()).max(bounds.high.amax());
     let jumps = |x: &&Point<D>| (displacement(x, 0.0) - of_body(x)).norm() > SAME_PLACE * extent;
@@ -482,10 +489,10 @@ fn check_start<const D: usize>(
 }
 
 fn supports_and_loads<const D: usize>(
+    given: &BodyKeys,
     conditions: &Named<BodyCondition>,
     solid: &SolidMesh<D>,
     time: &Time,
-    initial: Option<&Field>,
 ) -> Result<(Vec<Support<D>>, Vec<Load<D>>), ScenarioError> {
     let mesh = solid.mesh();
     let times = [0.0, time.end];
@@ -510,9 +517,9 @@ fn supports_and_loads<const D: usize>(
                 SupportKind::Symmetry { normal: plane_normal(&condition.at, mesh, tag, normal.as_ref())? }
             }
             BodyCondition::Displacement { value } => {
-                let displacement = value.over_time(&points, &times)?;
+                let displacement = value.before_shift(given.shift(), &points, &times)?;
                 if *time.scheme != TimeSchemeChoice::QuasiStatic {
-                    check_start(&condition.at, &points, &displacement, initial)?;
+                    check_start(given, &condition.at, &points, &displacement)?;
                 }
                 SupportKind::Displacement(Arc::new(move |x, t| {
                     let d = displacement(x, t);
@@ -520,7 +527,7 @@ fn supports_and_loads<const D: usize>(
                 }))
             }
             BodyCondition::Traction { value } => {
-                loads.push(Load::traction(facets, value.over_time(&points, &times)?));
+                loads.push(Load::traction(facets, value.before_shift(given.shift(), &points, &times)?));
                 continue;
             }
         };

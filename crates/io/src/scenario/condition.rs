@@ -4,14 +4,14 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use mesh::{Aabb, Point, SimplexMesh, Tag, Vector, unit_vector};
+use solver::FluidBoundary;
 use solver::body::TimeField;
-use solver::{FluidBoundary, FluidSetup};
 
 use super::error::ScenarioError;
 use super::field::{Field, FieldFormula};
 use super::geometry::plane_normal;
 use super::key::Quantity;
-use super::table::{At, Components, Named, choices};
+use super::table::{At, Components, choices};
 
 choices! {
     /// Condition on a part of the boundary of the fluid.
@@ -74,63 +74,8 @@ pub(super) fn tagged_vertices<const D: usize>(mesh: &SimplexMesh<D>, tag: Tag) -
 const ON_PLANE: f64 = 1e-9;
 
 /// Returns the largest distance of a plane of symmetry from a vertex on it.
-fn on_plane<const D: usize>(background: &SimplexMesh<D>) -> f64 {
+pub(super) fn on_plane<const D: usize>(background: &SimplexMesh<D>) -> f64 {
     Aabb::of_points(background.vertices()).extent().max() * ON_PLANE
-}
-
-/// A plane of symmetry: the points `x` with `normal · x = place`.
-pub(super) struct SymmetryPlane<const D: usize> {
-    /// Unit normal.
-    pub(super) normal: Vector<D>,
-    /// The side of the background on the plane, and the box around it.
-    pub(super) side: Tag,
-    bounds: Aabb<D>,
-    /// Signed distance from the origin along the normal.
-    place: f64,
-    /// Largest distance of a vertex on the plane from it, by round-off.
-    room: f64,
-}
-
-impl<const D: usize> SymmetryPlane<D> {
-    /// Returns whether a point lies on the plane.
-    pub(super) fn contains(&self, x: &Point<D>) -> bool {
-        (self.normal.dot(x) - self.place).abs() <= self.room
-    }
-
-    /// Returns whether a point lies on the side of the background, or in the box around it on the same plane.
-    pub(super) fn is_on_side(&self, x: &Point<D>) -> bool {
-        let Aabb { low, high } = &self.bounds;
-        let is_between = |k: usize| (low[k] - self.room..=high[k] + self.room).contains(&x[k]);
-        self.contains(x) && (0..D).all(is_between)
-    }
-}
-
-/// Returns the planes of symmetry.
-pub(super) fn symmetry_planes<const D: usize>(fluid: &FluidSetup<D>) -> Vec<SymmetryPlane<D>> {
-    let room = on_plane(&fluid.background);
-    let planes = fluid.boundary.iter().filter_map(|(tag, condition)| {
-        let FluidBoundary::Symmetry { normal } = condition else { return None };
-        let points = tagged_vertices(&fluid.background, *tag);
-        let place = normal.dot(points.first()?);
-        Some(SymmetryPlane { normal: *normal, side: *tag, bounds: Aabb::of_points(&points), place, room })
-    });
-    planes.collect()
-}
-
-/// Returns the names of the sides with a parabolic inflow that end at a plane of symmetry, off the axis of axisymmetric
-/// coordinates. The parabola is zero there.
-pub(crate) fn parabolas_at_symmetry<'c, const D: usize>(
-    conditions: &'c Named<FluidCondition>,
-    fluid: &FluidSetup<D>,
-) -> Vec<&'c str> {
-    let planes = symmetry_planes(fluid);
-    let is_off_axis = |x: &Point<D>| fluid.background.coordinates().radial().is_none_or(|radial| x[radial] != 0.0);
-    let is_end = |x: &Point<D>| is_off_axis(x) && planes.iter().any(|plane| plane.is_on_side(x));
-    let ends = |name: &str| {
-        fluid.background.tag(name).is_some_and(|tag| tagged_vertices(&fluid.background, tag).iter().any(is_end))
-    };
-    let parabolas = conditions.0.iter().filter(|(_, of)| matches!(**of, FluidCondition::Inflow { .. }));
-    parabolas.map(|(name, _)| name.as_str()).filter(|name| ends(name)).collect()
 }
 
 pub(super) fn fluid_boundary<const D: usize>(

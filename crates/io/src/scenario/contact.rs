@@ -8,14 +8,14 @@ use contact::{
 };
 use mesh::{BodyId, BoundaryMesh, FacetId, Placed, Point, SimplexMesh};
 use solver::body::Body;
-use solver::{Contact, ContactObstacle, FluidSetup};
+use solver::{Contact, ContactObstacle};
 
 use super::body::Built;
-use super::condition::SymmetryPlane;
+use super::condition::FluidCondition;
 use super::error::{ErrorKind, ScenarioError, sorted};
 use super::geometry::{Geometry, Shape, ZERO_VECTOR};
 use super::key::{Quantity, missing};
-use super::table::{At, Components, choices, keys};
+use super::table::{At, Components, Named, choices, keys};
 
 keys! {
     /// Contact between bodies, or of a body with an obstacle: `pairs`, or `pair`, or `body` and `obstacle`.
@@ -38,24 +38,6 @@ keys! {
         size: f64 [unit(Quantity::LENGTH), positive],
         /// Offset `ε`: contact begins at this distance.
         offset: f64 [unit(Quantity::LENGTH), non_negative],
-    }
-}
-
-impl ContactKeys {
-    /// Returns whether this contact keeps a body on its side of a plane of symmetry: the obstacle is the plane, or a wall
-    /// with the side of the background on it.
-    pub(super) fn stops<const D: usize>(&self, name: &str, plane: &SymmetryPlane<D>, fluid: &FluidSetup<D>) -> bool {
-        let is_plane = match self.obstacle.as_deref() {
-            Some(ObstacleChoice::RigidPlane { point, normal }) => {
-                let normal = normal.vector::<D>();
-                normal.dot(&plane.normal).abs() > (1.0 - 1e-9) * normal.norm() && plane.contains(&point.vector())
-            }
-            Some(ObstacleChoice::Wall { parts }) => {
-                parts.iter().any(|part| fluid.background.tag(part) == Some(plane.side))
-            }
-            _ => false,
-        };
-        is_plane && self.body.as_ref().is_some_and(|body| **body == name || **body == ALL)
     }
 }
 
@@ -147,6 +129,16 @@ choices! {
     }
 }
 
+impl ContactLawChoice {
+    /// Returns the coefficient of friction.
+    fn friction(&self) -> f64 {
+        match *self {
+            Self::AugmentedLagrangian { friction, .. } | Self::Nitsche { friction, .. } => friction,
+            Self::Penalty { .. } | Self::Collision { .. } => 0.0,
+        }
+    }
+}
+
 /// Relative difference of sizes that is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
@@ -159,11 +151,15 @@ pub(super) struct ContactBuilder<'p, const D: usize> {
     bodies: Vec<Arc<dyn Body<D>>>,
     /// Mean measure of the facets of each body.
     mean_facets: Vec<f64>,
-    background: Option<&'p SimplexMesh<D>>,
+    /// The background, with the conditions on its sides.
+    background: Option<(&'p SimplexMesh<D>, &'p Named<FluidCondition>)>,
 }
 
 impl<'p, const D: usize> ContactBuilder<'p, D> {
-    pub(super) fn new(built: &'p [Built<D>], background: Option<&'p SimplexMesh<D>>) -> Self {
+    pub(super) fn new(
+        built: &'p [Built<D>],
+        background: Option<(&'p SimplexMesh<D>, &'p Named<FluidCondition>)>,
+    ) -> Self {
         let bodies: Vec<_> = built.iter().map(|built| Arc::clone(&built.body)).collect();
         let mean_facets = bodies.iter().map(|body| mean_facet(body.surface(), body.reference())).collect();
         Self { built, bodies, mean_facets, background }
@@ -249,7 +245,7 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
             ObstacleChoice::Wall { parts } => {
                 let missing =
                     || obstacle.at.invalid("a wall is a part of the background, and there is none; add [background]");
-                let background = self.background.ok_or_else(missing)?;
+                let (background, conditions) = self.background.ok_or_else(missing)?;
                 let boundary = background.boundary();
                 let mut facets = Vec::new();
                 for name in &**parts {
@@ -257,6 +253,17 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
                     let tag = background.tag(name).filter(|_| known.contains(&name.as_str()));
                     let tag = tag.ok_or_else(|| name.at.unknown("part of the background", name, sorted(known)))?;
                     facets.extend(boundary.facets().filter(|facet| boundary.tag(*facet) == Some(tag)));
+                    let moves = |of: &FluidCondition| {
+                        matches!(of, FluidCondition::Velocity { .. } | FluidCondition::Inflow { .. })
+                    };
+                    if given.law.friction() > 0.0 && conditions.0.iter().any(|(side, of)| **name == *side && moves(of))
+                    {
+                        return Err(name.at.invalid(format!(
+                            "side `{name}` has a velocity, and a wall is an obstacle at rest, along which friction would hold the body; let a body with a given motion take its place, \
+                             or set `friction` to zero",
+                            name = name.as_str()
+                        )));
+                    }
                 }
                 if facets.is_empty() {
                     return Err(parts.at.invalid("no part is named; name at least one part of the background"));
@@ -288,12 +295,14 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
         obstacle: ContactObstacle<D>,
     ) -> Result<Contact<D>, ScenarioError> {
         let fail = |error: contact::Error| given.at.error(error);
+        let master = if let ContactObstacle::Body { body, .. } = &obstacle { Some(*body) } else { None };
+        let deforming = [Some(slave), master].into_iter().flatten().find(|body| self.deforms(*body));
         let form = match given.law {
             ContactLawChoice::Penalty { gamma_contact_0 } => {
                 ContactForm::new(PenaltyLaw::new(gamma_contact_0, given.offset).map_err(fail)?, given.size)
             }
-            ContactLawChoice::Collision { .. } if self.deforms(slave) => {
-                return Err(self.deforming(given, slave, "collision"));
+            ContactLawChoice::Collision { .. } if deforming.is_some() => {
+                return Err(self.deforming(given, deforming.unwrap_or(slave), "collision"));
             }
             ContactLawChoice::AugmentedLagrangian { .. } if self.deforms(slave) => {
                 return Err(self.deforming(given, slave, "augmented-lagrangian"));

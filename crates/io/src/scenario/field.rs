@@ -113,6 +113,21 @@ impl Field {
         Ok(Arc::new(move |x, t| Vector::from_fn(|axis, _| axes[axis](x, t))))
     }
 
+    /// Returns the field of a body that is shifted: positions in formulas are those before the shift.
+    ///
+    /// # Errors
+    /// As [`Self::over_time`].
+    pub(super) fn before_shift<const D: usize>(
+        &self,
+        shift: Vector<D>,
+        points: &[Point<D>],
+        times: &[f64],
+    ) -> Result<TimeField<D>, ScenarioError> {
+        let before: Vec<_> = points.iter().map(|x| x - shift).collect();
+        let field = self.over_time(&before, times)?;
+        Ok(if shift == Vector::<D>::zeros() { field } else { Arc::new(move |x, t| field(&(x - shift), t)) })
+    }
+
     /// Returns the field at the start as a function of position.
     ///
     /// # Errors

@@ -9,13 +9,14 @@ use toml::de::{DeValue, ValueDeserializer};
 
 use super::background::Background;
 use super::body::BodyKeys;
-use super::contact::{ALL, ContactKeys};
+use super::contact::{ALL, ContactKeys, ContactLawChoice};
 use super::error::{ErrorKind, Location, ScenarioError};
 use super::fluid::{Fluid, Interface};
+use super::motion::MotionChoice;
 use super::overrides;
 use super::probe::ProbeChoice;
-use super::solver::{Linear, Solver, Time};
-use super::table::{At, Choose as _, Document, KeyValue, Named, Node, choices, keys, parse};
+use super::solver::{Linear, Solver, Time, TimeSchemeChoice};
+use super::table::{At, Choose as _, Document, KeyValue, Named, Node, OrTable, choices, keys, parse};
 use super::units::Units;
 use crate::Error;
 use crate::files::{extension, read, read_scenario, write_whole};
@@ -156,7 +157,7 @@ impl Scenario {
         }
     }
 
-    fn is_axisymmetric(&self) -> bool {
+    pub(crate) fn is_axisymmetric(&self) -> bool {
         self.coordinates.as_ref().is_some_and(|choice| **choice == CoordinatesChoice::Axisymmetric)
     }
 
@@ -305,6 +306,37 @@ fn is_plain(text: &str) -> bool {
     !text.is_empty() && text.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c))
 }
 
+/// Checks that all keys that are given have an effect together.
+fn check_effects(scenario: &Scenario, bodies: &[At<BodyKeys>]) -> Result<(), ScenarioError> {
+    let alpha = &scenario.interface.alpha;
+    if scenario.fluid.is_none() && **alpha != 1.0 {
+        return Err(alpha.at.error(ErrorKind::NoEffect("a scenario without a fluid")));
+    }
+    if let Some(approach) = scenario.time.approach.as_ref().filter(|_| scenario.contact.is_empty()) {
+        return Err(approach.smallest.at.error(ErrorKind::NoEffect("a scenario without contacts")));
+    }
+    if *scenario.time.scheme != TimeSchemeChoice::QuasiStatic {
+        return Ok(());
+    }
+    let of_body = |body: &At<BodyKeys>| {
+        let spin = match body.motion.as_deref() {
+            Some(MotionChoice::Free { initial_spin, .. }) => initial_spin.as_ref().map(|spin| spin.at.clone()),
+            _ => None,
+        };
+        let velocity = body.initial_velocity.as_ref().map(|velocity| velocity.at.clone());
+        velocity.or(spin).or(body.contact_mass.as_ref().map(|mass| mass.at.clone()))
+    };
+    let stabilisation = scenario.fluid.as_ref().map(|fluid| &fluid.stabilisation);
+    let of_fluid = stabilisation.and_then(|stabilisation| match &**stabilisation {
+        OrTable::Table(table) => table.time.map(|_| stabilisation.at.part("time")),
+        OrTable::Plain(_) => None,
+    });
+    let collides = |contact: &&At<ContactKeys>| matches!(contact.law, ContactLawChoice::Collision { .. });
+    let of_contact = || scenario.contact.iter().find(collides).map(|contact| contact.at.part("law"));
+    let found = bodies.iter().find_map(of_body).or(of_fluid).or_else(of_contact);
+    found.map_or(Ok(()), |place| Err(place.error(ErrorKind::NoEffect("quasi-static steps, which have no inertia"))))
+}
+
 /// Checks combinations of values.
 fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
     scenario.time.check()?;
@@ -340,5 +372,6 @@ fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
         }
         body.check()?;
     }
+    check_effects(scenario, &bodies)?;
     scenario.solver.linear.as_ref().map_or(Ok(()), Linear::check)
 }

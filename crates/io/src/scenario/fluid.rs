@@ -3,9 +3,9 @@
 use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
-use mesh::{Coordinates, FacetId, Placed, Tag, Vector};
+use mesh::Coordinates;
 use solver::interface_dg::terms::PenaltyProfile;
-use solver::{ConvectionForm, FilmSetup, FluidBoundary, FluidSetup, Stabilisation};
+use solver::{ConvectionForm, FilmSetup, FluidSetup, Stabilisation};
 
 use super::background::{Background, background};
 use super::body::BodyKeys;
@@ -161,7 +161,7 @@ keys! {
     pub struct Interface {
         /// Weight of the traction of the fluid; the rest is that of elastic bodies. Below 1 a run ends at once if the
         /// penalty is too small for the stiffness of the bodies.
-        alpha: f64 [between(0.0, 1.0)] = 1.0,
+        alpha: At<f64> [between(0.0, 1.0)] = 1.0,
     }
 }
 
@@ -250,49 +250,4 @@ pub(super) fn fluid<const D: usize>(
         initial_velocity,
         boundary,
     })
-}
-
-/// Number of times at which the balance of a closed domain is checked.
-const BALANCE_TIMES: usize = 17;
-/// Largest net flow through the boundary of a closed domain, relative to the largest integral of the speed over the
-/// boundary. Profiles are interpolated on facets, with an error of second order in their size.
-const LARGEST_NET_FLOW: f64 = 1e-2;
-
-/// Returns the times at which the balance of a closed domain is checked.
-pub(super) fn balance_times([start, end]: [f64; 2]) -> impl Iterator<Item = f64> {
-    (0..BALANCE_TIMES).map(move |k| start + (end - start) * k as f64 / (BALANCE_TIMES - 1) as f64)
-}
-
-/// Returns a time and the net inflow at this time if no part of the boundary is open and the net inflow is not zero.
-/// Velocities are those that the solver prescribes at vertices. At a vertex of several conditions a wall has precedence
-/// over a given velocity.
-pub(super) fn unbalanced<const D: usize>(fluid: &FluidSetup<D>, times: [f64; 2]) -> Option<(f64, f64)> {
-    if fluid.boundary.iter().any(|(_, condition)| condition.is_open()) {
-        return None;
-    }
-    let background = &fluid.background;
-    let surface = &background.boundary();
-    let placed = Placed::new(surface, background.vertices());
-    let on = |tag: Tag| surface.facets().filter(move |facet| surface.tag(*facet) == Some(tag));
-    let at = |time: f64| {
-        let mut nodal = vec![Vector::<D>::zeros(); background.n_vertices()];
-        for (tag, condition) in &fluid.boundary {
-            let FluidBoundary::Velocity(velocity) = condition else { continue };
-            let vertices = on(*tag).flat_map(|facet| surface.facet(facet));
-            vertices.for_each(|v| nodal[v.index()] = velocity(&background.vertex(*v), time));
-        }
-        for (tag, _) in fluid.boundary.iter().filter(|(_, condition)| matches!(condition, FluidBoundary::NoSlip)) {
-            on(*tag).flat_map(|facet| surface.facet(facet)).for_each(|v| nodal[v.index()] = Vector::zeros());
-        }
-        let of_facet = |facet: FacetId| {
-            let vertices = surface.facet(facet);
-            let sum: Vector<D> = vertices.iter().map(|v| nodal[v.index()]).sum();
-            let per_vertex = placed.weighted_measure(facet) / vertices.len() as f64;
-            [-sum.dot(&placed.facet_normal(facet)) * per_vertex, sum.norm() * per_vertex]
-        };
-        surface.facets().map(of_facet).fold([0.0; 2], |sum, flow| [sum[0] + flow[0], sum[1] + flow[1]])
-    };
-    let flows: Vec<(f64, [f64; 2])> = balance_times(times).map(|time| (time, at(time))).collect();
-    let largest = flows.iter().map(|(_, [_, all])| *all).fold(0.0, f64::max);
-    flows.into_iter().map(|(time, [net, _])| (time, net)).find(|(_, net)| net.abs() > LARGEST_NET_FLOW * largest)
 }

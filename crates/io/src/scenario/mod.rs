@@ -4,6 +4,7 @@
 //! [`BodyKeys`].
 
 mod background;
+mod balance;
 mod body;
 pub mod case;
 mod condition;
@@ -19,17 +20,18 @@ pub mod key;
 mod motion;
 mod motion_table;
 mod overrides;
+mod placement;
 mod probe;
 mod quantity;
 mod schema;
 mod solver;
+mod symmetry;
 mod table;
 mod units;
 
 pub use background::{Axis, Background, GradedSize, Refinement, RegionChoice};
 pub use body::{BodyCondition, BodyKeys, LameKeys, MaterialChoice};
 pub use case::{Case, CaseVisitor, expected_cells, lower};
-pub(crate) use condition::parabolas_at_symmetry;
 pub use condition::{FluidCondition, InflowProfile};
 pub use contact::{ContactKeys, ContactLawChoice, ObstacleChoice};
 pub(crate) use error::advice;
@@ -49,6 +51,7 @@ pub use schema::schema;
 pub use solver::{
     Approach, Blocks, BodyBlock, FluidBlock, Linear, Newton, Preconditioner, Solver, Time, TimeSchemeChoice,
 };
+pub(crate) use symmetry::parabolas_at_symmetry;
 pub(crate) use table::Choose;
 pub use table::{At, Components, Named, OrTable};
 pub use units::{System, UnitNames, Units};

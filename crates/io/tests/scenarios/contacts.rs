@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::setting::*;
+use io::RunTables;
 use io::scenario::case::Case;
 
 /// Two elastic bodies, a free one and one at rest, above a floor.
@@ -261,4 +262,49 @@ vtk_every = 0
     let velocity = *column(&directory, "centre_velocity_x").last().expect("steps");
     assert!((velocity - exact).abs() < 1e-4, "{velocity}");
     refused(text, &[&["contact.0.law.tolerance=0"]], &["contact.0.law.tolerance", "must be positive"]);
+}
+
+/// The force of a collision is the rate of the momentum minus the other forces, also with a solver that iterates.
+#[test]
+fn the_force_of_a_collision_is_that_of_the_balance() {
+    let text = r#"
+name        = "collision"
+dimension   = 2
+units       = "si"
+coordinates = "axisymmetric"
+time        = { step = 0.004, end = 0.032, scheme = "implicit-euler" }
+fluid       = { density = 1.0, viscosity = 0.05, body_force = [0.0, -10.0] }
+
+[background]
+kind     = "graded-box"
+min      = [0.0, 0.0]
+max      = [0.5, 1.0]
+size     = 0.09
+boundary = { left = "symmetry", right = "no-slip", bottom = "no-slip", top = "free" }
+
+[[body]]
+name             = "ball"
+shape            = { kind = "half-ball", centre = [0.0, 0.25], radius = 0.22, size = 0.08 }
+density          = 4.0
+gravity          = [0.0, -10.0]
+initial_velocity = [0.0, -1.0]
+motion           = "free"
+
+[contact]
+body     = "ball"
+obstacle = { kind = "wall", parts = ["bottom"] }
+law      = { kind = "collision", restitution = 0.7 }
+size     = 0.02
+offset   = 0.02
+
+[output]
+vtk_every = 0
+"#;
+    let directory = fresh_directory("collision");
+    results(&legal(text, &[]), &directory);
+    let tables = RunTables::read(&directory).expect("tables");
+    let column = |name: &str| tables.column(name).expect("a column").into_iter().map(|(_, value)| value);
+    let largest = column("contact_force").fold(0.0, f64::max);
+    assert!(largest > 30.0, "{largest}");
+    column("force_remainder").for_each(|remainder| assert!(remainder.abs() < 1e-5 * largest, "{remainder} {largest}"));
 }

@@ -398,3 +398,53 @@ fn equal_bars_that_collide_exchange_their_velocities() {
     let lost = summary.energy_lost_in_contact.expect("inertia");
     assert!(lost > 1e-3 && (lost * before / (before - after) - 1.0).abs() < 0.15, "{lost} {before} {after}");
 }
+
+/// A block on wheels along the floor whose left side is clamped, and a half disk on its axis.
+#[test]
+fn held_parts_do_not_move_at_the_start() {
+    let with = |shape: &str, more: &str| {
+        let text = format!(
+            "name = \"held\"\ndimension = 2\nunits = \"si\"\ntime = {{ step = 0.01, end = 0.05 }}\n{more}\n[[body]]\nname = \"block\"\nshape = {shape}\n\
+             material = {{ kind = \"linear\", young = 1e3, poisson = 0.3 }}\ndensity = 1.0\ngravity = [0, 0]\ninitial_velocity = [1.0, 2.0]\n"
+        );
+        let case = planar_case(&legal(&text, &[]));
+        let body = &case.setup.bodies[0];
+        body.reference().iter().copied().zip(body.initial().velocity().to_vec()).collect::<Vec<_>>()
+    };
+    let block = "{ kind = \"box\", min = [0, 0], max = [1, 1], n = [2, 2] }\nboundary = { left = \"clamped\", bottom = \"symmetry\" }";
+    for (x, v) in with(block, "") {
+        let expected = [if x[0] == 0.0 { 0.0 } else { 1.0 }, if x[0] == 0.0 || x[1] == 0.0 { 0.0 } else { 2.0 }];
+        assert_eq!(v.as_slice(), expected, "{x}");
+    }
+    let ball = "{ kind = \"half-ball\", centre = [0, 0], radius = 1, size = 0.5 }";
+    for (x, v) in with(ball, "coordinates = \"axisymmetric\"") {
+        assert_eq!(v[0], if x[0] == 0.0 { 0.0 } else { 1.0 }, "{x}");
+    }
+}
+
+/// Positions in the formulas of a body are those before its shift.
+#[test]
+fn copies_have_the_formulas_of_the_first_body() {
+    let text = r#"
+name      = "copies"
+dimension = 2
+units     = "si"
+time      = { step = 0.01, end = 0.03 }
+
+[[body]]
+name             = "block"
+shape            = { kind = "box", min = [0, 0], max = [1, 1], n = [2, 2] }
+material         = { kind = "linear", young = 1e3, poisson = 0.3 }
+density          = 1.0
+gravity          = [0, 0]
+initial_velocity = ["x", "y"]
+boundary         = { left = { kind = "displacement", value = ["y*t", "0"] }, right = { kind = "traction", value = ["x*y", "1"] } }
+copies           = [[3, 5]]
+"#;
+    let directory = fresh_directory("copies");
+    results(&legal(text, &[]), &directory);
+    for name in ["centre_velocity_x", "centre_velocity", "energy_elastic"] {
+        let [first, copy] = ["block", "block-2"].map(|body| column(&directory, &format!("{body}_{name}")));
+        assert!(first[2].abs() > 1e-3 && (first[2] - copy[2]).abs() < 1e-10, "{name}: {} {}", first[2], copy[2]);
+    }
+}

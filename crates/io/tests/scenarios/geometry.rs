@@ -257,10 +257,7 @@ gravity = [0, 0, -10]
     };
     cubes("apart.obj", 1.1).and_then(|file| io::sizes(&file)).unwrap_or_else(|e| panic!("{e}"));
     let refused = mistake(cubes("overlapping.obj", 0.4)).to_string();
-    check_words(
-        &refused,
-        &["body.0", "the surface of body `cubes` encloses 1.008", "but covers 7.9", "unite the parts"],
-    );
+    check_words(&refused, &["body.0", "the surface of body `cubes` encloses 1.008", "but covers 7.9", "unite them"]);
 }
 
 /// Fluid in a trapezium with oblique walls, and a fixed post in it.

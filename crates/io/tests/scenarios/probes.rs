@@ -30,7 +30,7 @@ boundary = { left = VELOCITY, right = { kind = "traction", value = [4, 0] }, bot
 vtk_every = 5
 
 [output.probes]
-centre  = { kind = "point", at = [1.0, 0.5] }
+middle  = { kind = "point", at = [1.0, 0.5] }
 through = { kind = "flux", corner = [1.5, 0.0], sides = [[0.0, 1.0]] }
 up      = { kind = "flux", corner = [1.5, 0.25], sides = [[-1.0, 0.0]], points = 50 }
 along   = { kind = "line", from = [0.0, 0.5], to = [2.5, 0.5], points = 6 }
@@ -55,13 +55,13 @@ fn points_sections_and_lines_see_the_flow() {
     // With the start.
     assert_eq!(probes.n_rows(), 6);
     let names =
-        ["time [s]", "along_x [m]", "centre_velocity_x [m/s]", "centre_pressure [Pa]", "through_flux [m³/(s m)]"];
+        ["time [s]", "along_x [m]", "middle_velocity_x [m/s]", "middle_pressure [Pa]", "through_flux [m³/(s m)]"];
     assert!(probes.names().contains(&names[0].to_owned()) && !probes.names().contains(&names[1].to_owned()));
     assert!(names[2..].iter().all(|name| probes.names().contains(&(*name).to_owned())), "{:?}", probes.names());
     for (name, value) in [
-        ("centre_velocity_x", 3.0),
-        ("centre_velocity_y", 2.0),
-        ("centre_pressure", 0.0),
+        ("middle_velocity_x", 3.0),
+        ("middle_velocity_y", 2.0),
+        ("middle_pressure", 0.0),
         // To the right of the way up, and of the way to the left.
         ("through_flux", 4.0),
         ("up_flux", 2.5),
@@ -347,7 +347,7 @@ fn probes_go_on_from_a_checkpoint() {
     resumed.run(&legal(&text, &[&sets]), &directory, &mut ()).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(history(&directory).names()[0], "time");
     assert_eq!(column(&directory, "energy_kinetic_fluid").len(), 6);
-    let other = text.replace("centre  =", "middle  =");
+    let other = text.replace("middle  =", "inner   =");
     let refused = resumed.run(&legal(&other, &[&["time.end=0.2"]]), &directory, &mut ()).expect_err("other columns");
     check_words(&refused.to_string(), &["probes.csv", "the probes are not those of the run"]);
 }

@@ -103,7 +103,10 @@ fn a_body_force_given_as_an_acceleration_is_a_warning() {
 
 #[test]
 fn elastic_bodies_with_implicit_euler_are_a_warning() {
-    assert!(warning(DISKS, &["time.scheme=implicit-euler"]).contains("changes its area"));
+    for coordinates in [&[][..], &["coordinates=cartesian"]] {
+        let sets = [&["time.scheme=implicit-euler"], coordinates].concat();
+        assert!(warning(DISKS, &sets).contains("changes its area"));
+    }
     let rigid = DISKS.replace("material = { kind = \"neo-hookean\", mu = 4.0e5, lambda = 1.6e6 }", "motion = \"free\"");
     assert!(!lines(&rigid, &["time.scheme=implicit-euler"]).iter().any(|line| line.starts_with("warning")));
 }

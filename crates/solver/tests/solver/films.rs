@@ -246,6 +246,23 @@ fn vapour_bounds_the_tension_of_a_film_that_opens() {
     assert!((force / exact - 1.0).abs() < 0.05, "{}", force / exact);
 }
 
+/// The film grows at a rate that the fluid of a closed region cannot follow.
+#[test]
+fn no_vapour_appears_in_a_closed_region() {
+    let gap = 0.25;
+    let of = |floor| {
+        let mut setup = plates(gap, V::new(0.0, 1.0), FilmSetup { roughness: 0.0, floor });
+        on_all_sides(&mut setup, || FluidBoundary::NoSlip);
+        run(&setup, 1)
+    };
+    let [(without, _), (with, reports)] = [None, Some(-0.1)].map(of);
+    let pressures = wet(&without).pressure.iter().zip(&wet(&with).pressure);
+    let largest = wet(&without).pressure.iter().fold(0.0_f64, |largest, p| largest.max(p.abs()));
+    assert!(largest > 1e3 && pressures.fold(0.0_f64, |most, (p, q)| most.max((p - q).abs())) < 1e-6 * largest);
+    let source = wet_report(&reports[0]).pocket_source;
+    assert!((source * gap - 1.0).abs() < 1e-6, "{source}");
+}
+
 #[test]
 fn a_ball_that_falls_into_a_film_loses_energy_in_every_step() {
     let background = structured_box::<2>([-4.0, 0.0], [4.0, 4.0], [24, 12]).expect("a box");

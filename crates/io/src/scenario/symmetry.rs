@@ -1,0 +1,205 @@
+//! Planes of symmetry, and the bodies on them.
+
+use mesh::generate::HALF_BALL_PLANE;
+use mesh::{Aabb, BoundaryMesh, FacetId, Point, SimplexMesh, Tag, Vector, unit_vector};
+use solver::{FluidBoundary, FluidSetup};
+
+use super::background::Background;
+use super::body::{BodyCondition, BodyKeys, Built};
+use super::condition::{FluidCondition, on_plane, tagged_vertices};
+use super::contact::{ALL, ContactKeys, ObstacleChoice};
+use super::error::ScenarioError;
+use super::geometry::Shape;
+use super::motion::{Held, MotionChoice};
+use super::table::{At, Named};
+
+/// A plane of symmetry: the points `x` with `normal · x = place`.
+pub(super) struct SymmetryPlane<const D: usize> {
+    /// Unit normal.
+    pub(super) normal: Vector<D>,
+    /// The side of the background on the plane, and the box around it.
+    pub(super) side: Tag,
+    bounds: Aabb<D>,
+    /// Signed distance from the origin along the normal.
+    place: f64,
+    /// Largest distance of a vertex on the plane from it, by round-off.
+    room: f64,
+}
+
+impl<const D: usize> SymmetryPlane<D> {
+    /// Returns whether a point lies on the plane.
+    pub(super) fn contains(&self, x: &Point<D>) -> bool {
+        (self.normal.dot(x) - self.place).abs() <= self.room
+    }
+
+    /// Returns whether a point lies on the side of the background, or in the box around it on the same plane.
+    pub(super) fn is_on_side(&self, x: &Point<D>) -> bool {
+        let Aabb { low, high } = &self.bounds;
+        let is_between = |k: usize| (low[k] - self.room..=high[k] + self.room).contains(&x[k]);
+        self.contains(x) && (0..D).all(is_between)
+    }
+}
+
+/// Returns whether a contact keeps a body on its side of a plane of symmetry: the obstacle is the plane, or a wall with
+/// the side of the background on it.
+fn stops<const D: usize>(
+    contact: &ContactKeys,
+    body: &str,
+    plane: &SymmetryPlane<D>,
+    background: &SimplexMesh<D>,
+) -> bool {
+    let is_plane = match contact.obstacle.as_deref() {
+        Some(ObstacleChoice::RigidPlane { point, normal }) => {
+            let normal = normal.vector::<D>();
+            normal.dot(&plane.normal).abs() > (1.0 - 1e-9) * normal.norm() && plane.contains(&point.vector())
+        }
+        Some(ObstacleChoice::Wall { parts }) => parts.iter().any(|part| background.tag(part) == Some(plane.side)),
+        _ => false,
+    };
+    is_plane && contact.body.as_ref().is_some_and(|name| **name == body || **name == ALL)
+}
+
+impl<const D: usize> SymmetryPlane<D> {
+    /// Returns whether a surface reaches from one side of the plane to the other through the side of the background.
+    fn is_crossed_by(&self, surface: &BoundaryMesh<D>, positions: &[Point<D>]) -> bool {
+        let height = |x: &Point<D>| self.normal.dot(x) - self.place;
+        surface.facets().any(|facet| {
+            let corners = surface.facet(facet);
+            let ends = (0..corners.len()).map(|k| [corners[k], corners[(k + 1) % corners.len()]]);
+            ends.map(|ends| ends.map(|vertex| positions[vertex.index()])).any(|[from, to]| {
+                let [a, b] = [height(&from), height(&to)];
+                a.min(b) < -self.room && a.max(b) > self.room && self.is_on_side(&(from + (to - from) * (a / (a - b))))
+            })
+        })
+    }
+}
+
+/// Returns the planes of symmetry.
+pub(super) fn symmetry_planes<const D: usize>(fluid: &FluidSetup<D>) -> Vec<SymmetryPlane<D>> {
+    let room = on_plane(&fluid.background);
+    let planes = fluid.boundary.iter().filter_map(|(tag, condition)| {
+        let FluidBoundary::Symmetry { normal } = condition else { return None };
+        let points = tagged_vertices(&fluid.background, *tag);
+        let place = normal.dot(points.first()?);
+        Some(SymmetryPlane { normal: *normal, side: *tag, bounds: Aabb::of_points(&points), place, room })
+    });
+    planes.collect()
+}
+
+/// Returns the names of the sides with a parabolic inflow that end at a plane of symmetry, off the axis of axisymmetric
+/// coordinates. The parabola is zero there.
+pub(crate) fn parabolas_at_symmetry<'c, const D: usize>(
+    conditions: &'c Named<FluidCondition>,
+    fluid: &FluidSetup<D>,
+) -> Vec<&'c str> {
+    let planes = symmetry_planes(fluid);
+    let is_off_axis = |x: &Point<D>| fluid.background.coordinates().radial().is_none_or(|radial| x[radial] != 0.0);
+    let is_end = |x: &Point<D>| is_off_axis(x) && planes.iter().any(|plane| plane.is_on_side(x));
+    let ends = |name: &str| {
+        fluid.background.tag(name).is_some_and(|tag| tagged_vertices(&fluid.background, tag).iter().any(is_end))
+    };
+    let parabolas = conditions.0.iter().filter(|(_, of)| matches!(**of, FluidCondition::Inflow { .. }));
+    parabolas.map(|(name, _)| name.as_str()).filter(|name| ends(name)).collect()
+}
+
+/// Checks that the sides on the axis of axisymmetric coordinates are planes of symmetry.
+pub(super) fn check_axis<const D: usize>(fluid: &FluidSetup<D>, given: &At<Background>) -> Result<(), ScenarioError> {
+    let Some(radial) = fluid.background.coordinates().radial() else { return Ok(()) };
+    for (tag, condition) in &fluid.boundary {
+        let points = tagged_vertices(&fluid.background, *tag);
+        let is_on_axis = points.iter().all(|x| x[radial] == 0.0);
+        if is_on_axis && !matches!(condition, FluidBoundary::Symmetry { normal } if normal[radial] == 1.0) {
+            let name = &fluid.background.tag_names()[tag.index()];
+            return Err(given.boundary().at.invalid(format!(
+                "side `{name}` lies on the axis of rotation, where nothing crosses; give it the condition \"symmetry\""
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Removes facets on planes of symmetry from the contact facets of bodies that do not deform, and checks that free
+/// bodies with such facets are held, and such facets of elastic bodies too, by a condition or a contact.
+pub(super) fn respect_symmetry<const D: usize>(
+    contacts: &[At<ContactKeys>],
+    bodies: &[At<BodyKeys>],
+    fluid: &FluidSetup<D>,
+    built: &mut [Built<D>],
+) -> Result<(), ScenarioError> {
+    let planes = symmetry_planes(fluid);
+    let domain = Aabb::of_points(fluid.background.vertices());
+    for given in bodies {
+        let Shape::HalfBall { centre, mirrored: false, .. } = &*given.shape else { continue };
+        let mut conditions = given.boundary.iter().flat_map(|boundary| &boundary.0);
+        let is_symmetric = |(name, condition): &(String, At<BodyCondition>)| {
+            name == HALF_BALL_PLANE && matches!(**condition, BodyCondition::Symmetry { .. })
+        };
+        let at = centre[0] + given.shift.as_ref().map_or(0.0, |shift| shift[0]);
+        let on_diameter = unit_vector::<D>(0) * at;
+        let is_on_plane = planes.iter().any(|plane| plane.normal[0] == 1.0 && plane.contains(&on_diameter));
+        let is_inside = domain.low[0] <= at && at <= domain.high[0];
+        let is_on_axis = fluid.background.coordinates().radial() == Some(0) && at == 0.0;
+        if conditions.any(is_symmetric) && is_inside && !is_on_plane && !is_on_axis {
+            return Err(given.shape.at.invalid(format!(
+                "the diameter of this half ball is a line of symmetry at x = {at}, but no side of the background is one there; move it, or use a ball"
+            )));
+        }
+    }
+    for (given, Built { body, contact_facets, part_names }) in bodies.iter().zip(built) {
+        let positions = body.initial().positions(body.reference());
+        let on_plane = |facet: FacetId| {
+            let vertices = body.surface().facet(facet);
+            planes.iter().find(|plane| vertices.iter().all(|v| plane.contains(&positions[v.index()])))
+        };
+        if body.is_movable() && planes.iter().any(|plane| plane.is_crossed_by(body.surface(), &positions)) {
+            return Err(given.shape.at.invalid(format!(
+                "body `{}` reaches through a plane of symmetry of the background: the fluid would act on a part of it, and it would have all of its mass; use the \
+                 part on one side, such as kind = \"half-ball\", or move it",
+                body.name()
+            )));
+        }
+        let Some(motion) = &given.motion else {
+            let is_moved = |facet: &FacetId| {
+                let name = body.surface().tag(*facet).and_then(|tag| part_names.get(tag.index()));
+                let mut conditions = given.boundary.iter().flat_map(|boundary| &boundary.0);
+                conditions.any(|(part, of)| Some(part) == name && matches!(**of, BodyCondition::Displacement { .. }))
+            };
+            let is_loose = |facet: &&FacetId| {
+                let at = body.surface().facet(**facet).iter().map(|v| positions[v.index()]);
+                let side = planes.iter().find(|plane| at.clone().all(|x| plane.is_on_side(&x)));
+                let is_stopped = |plane| contacts.iter().any(|of| stops(of, &given.name, plane, &fluid.background));
+                side.is_some_and(|plane| !is_moved(facet) && !is_stopped(plane))
+            };
+            if contact_facets.iter().any(|facet| is_loose(&facet)) {
+                return Err(given.shape.at.invalid(format!(
+                    "a part of the surface of `{}` lies on a plane of symmetry of the background, through which nothing holds it; give the part the \
+                     condition \"symmetry\" in `boundary`, or state a contact with the plane",
+                    given.name.as_str()
+                )));
+            }
+            continue;
+        };
+        contact_facets.retain(|facet| on_plane(*facet).is_none());
+        // A body on the axis of rotation moves along the axis only.
+        let is_axisymmetric = body.surface().coordinates().radial().is_some();
+        let MotionChoice::Free { held, .. } = &**motion else { continue };
+        if is_axisymmetric {
+            continue;
+        }
+        let is_held = |what: Held| held.iter().any(|held| **held == what);
+        let across = |plane: &SymmetryPlane<D>| {
+            let axes = [Held::X, Held::Y, Held::Z].into_iter().zip(["\"x\"", "\"y\"", "\"z\""]);
+            let axes = axes.zip(plane.normal.iter()).filter(|(_, n)| **n != 0.0).map(|(axis, _)| axis);
+            axes.chain([(Held::Rotation, "\"rotation\"")]).collect::<Vec<_>>()
+        };
+        let is_loose = |plane: &&SymmetryPlane<D>| across(plane).iter().any(|(what, _)| !is_held(*what));
+        if let Some(plane) = body.surface().facets().filter_map(on_plane).find(is_loose) {
+            let (name, needed) =
+                (body.name(), across(plane).into_iter().map(|(_, word)| word).collect::<Vec<_>>().join(", "));
+            return Err(motion.at.invalid(format!(
+                "body `{name}` stands on a plane of symmetry, which it must not leave; sliding along an oblique plane is not available: add held = [{needed}]"
+            )));
+        }
+    }
+    Ok(())
+}
