@@ -9,8 +9,9 @@ use crate::{BodyState, StepTime};
 /// A surface in one step.
 ///
 /// The background mesh is cut at `geometry`. Contact acts at the shifted positions of [`algebra::time::Weights`]:
-/// `start` at the start of the step, `end` at its end. The difference is the velocity times the length of the step; for
-/// a rigid body, which turns, up to an error of third order in the angle.
+/// `start` at the start of the step, `end` at its end. The difference is the velocity times the length of the step. A
+/// rigid body that turns by `θ` moves along arcs instead, which differ by `θ²/2` (implicit Euler) or `θ³/24`
+/// (generalised-α) of the distance from its centre.
 pub struct SurfaceMotion<'s, const D: usize> {
     /// The surface.
     pub boundary: &'s BoundaryMesh<D>,

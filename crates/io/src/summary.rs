@@ -93,7 +93,7 @@ pub struct Summary {
     #[serde(default)]
     pub max_interface_leak: Option<f64>,
     /// Sum over the steps of the largest relative change of the volume of a closed region of fluid by given velocities,
-    /// which the fluid cannot follow. None without closed regions.
+    /// which the fluid cannot follow; negative where it shrinks. None without closed regions.
     #[serde(default)]
     pub closed_volume_change: Option<f64>,
     /// Newton corrections.

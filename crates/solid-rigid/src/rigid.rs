@@ -159,9 +159,12 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         let of_modes = (0..n_modes(D)).map(|mode| if mode < D { rounding } else { turning });
         layout.set_rounding(whole, &of_modes.collect::<Vec<_>>());
         let [shifted, end] = &time.weights.shifted;
-        // The end is exact for the spin at the start, and linear in the velocities around it.
-        let velocities = geometry.iter().map(|x| spin_velocity(&motion.spin, &(x - centre)));
-        let at_end = self.positions_by(&motion, end, &motion.spin);
+        // The end is exact for the spin at the start, and linear in the velocities around it. Without inertia that spin
+        // predicts nothing.
+        let has_inertia = time.weights.stage_acceleration != Row::default();
+        let spin = if has_inertia { motion.spin } else { [0.0; 3] };
+        let velocities = geometry.iter().map(|x| spin_velocity(&spin, &(x - centre)));
+        let at_end = self.positions_by(&motion, end, &spin);
         let predicted = at_end.iter().zip(velocities).map(|(x, v)| x - v * end.slope).collect();
         let surface = SurfaceMotion {
             boundary: &self.boundary,

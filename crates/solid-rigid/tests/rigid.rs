@@ -1,6 +1,6 @@
 //! Mass properties and free motion of rigid bodies against closed forms.
 
-use algebra::time::{GeneralisedAlpha, ImplicitEuler, TimeScheme};
+use algebra::time::{GeneralisedAlpha, ImplicitEuler, QuasiStatic, TimeScheme};
 use algebra::{BlockLayout, Constraints, Equations, NewtonSettings, Workspace, check_tangent, newton};
 use body::{Body, BodyState, BodyStep, StepTime};
 use mesh::{BoundaryMesh, ParameterError, Placed, Point, Tensor, Vector, VertexId};
@@ -96,6 +96,22 @@ fn contact_acts_on_points_that_turn() {
                 assert!((turn * before - after).norm() < 1e-14, "{scheme:?}: {before} {after}");
             }
         });
+    }
+}
+
+/// Without inertia the spin of the step before predicts nothing: a body that stops has no gap from an arc.
+#[test]
+fn without_inertia_points_are_where_a_body_stops() {
+    let (surface, corners) = brick([1.0; 3], [0.1, -0.3, 0.2], Point::zeros());
+    let body = RigidBody::new("cube", surface, corners.clone(), 1.0, Vector::zeros()).unwrap();
+    let start = RigidMotion::initial(&body.mass, Vector::<3>::zeros(), [0.0, 0.0, 5.0]);
+    let state = BodyState { inner: start.to_numbers(), ..body.initial() };
+    let mut layout = BlockLayout::new();
+    let step = body.step(&state, &StepTime::new(&QuasiStatic, 0.2, 0.2, false), &mut layout);
+    let at_rest = vec![0.0; layout.len()];
+    for (k, corner) in corners.iter().enumerate() {
+        let end = step.surface().position_at(VertexId::new(k), &layout, &at_rest);
+        assert!((end - corner).norm() < 1e-14, "{end} {corner}");
     }
 }
 

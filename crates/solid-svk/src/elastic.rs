@@ -8,7 +8,7 @@ use body::{
 use mesh::{BoundaryMesh, Point, Vector, require};
 
 use crate::energy::{balance, stresses};
-use crate::supports::{Support, SupportKind};
+use crate::supports::{Support, SupportKind, stop};
 use crate::terms::BodyForce;
 use crate::{Error, Load, SolidCells, SolidFacets, SolidForm, SolidMesh, SolidStress};
 
@@ -116,7 +116,7 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
         if let Some(radial) = self.solid.mesh().coordinates().radial() {
             nodes.filter(|(x, _)| x[radial] == 0.0).for_each(|(_, v)| v[radial] = 0.0);
         }
-        self.options.supports.iter().for_each(|support| support.stop(&mut velocity));
+        stop(&self.options.supports, &mut velocity);
         BodyState::new(self.at_start(&self.options.initial_displacement), velocity)
     }
 

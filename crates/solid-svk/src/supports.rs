@@ -1,5 +1,6 @@
 //! Supports of a body: clamps, symmetry planes and prescribed displacements, as values of its velocity.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use algebra::Constraints;
@@ -43,18 +44,6 @@ impl<const D: usize> SupportKind<D> {
 }
 
 impl<const D: usize> Support<D> {
-    /// Removes the components of velocities that the support holds: all of a clamp, and the normal one of a symmetry.
-    pub(crate) fn stop(&self, velocity: &mut [Vector<D>]) {
-        for vertex in &self.vertices {
-            let v = &mut velocity[vertex.index()];
-            match &self.kind {
-                SupportKind::Clamped => *v = Vector::zeros(),
-                SupportKind::Symmetry { normal } => *v -= normal * normal.dot(v),
-                SupportKind::Displacement(_) => {}
-            }
-        }
-    }
-
     /// Prescribes the velocities of the held nodes such that at the end of the step the velocity is zero (clamps), its
     /// normal component is zero (symmetry), or the displacement has the given value.
     ///
@@ -92,6 +81,33 @@ impl<const D: usize> Support<D> {
                 }
             }
         }
+    }
+}
+
+/// Sine of the angle between two planes of symmetry below which they are one plane.
+const SAME_PLANE: f64 = 1e-9;
+
+/// Removes the components of velocities that supports hold: all of a clamp, and the normal ones of symmetries.
+pub(crate) fn stop<const D: usize>(supports: &[Support<D>], velocity: &mut [Vector<D>]) {
+    // Orthonormal directions that are held, for each node.
+    let mut held: BTreeMap<VertexId, Vec<Vector<D>>> = BTreeMap::new();
+    for support in supports {
+        let normals: Vec<Vector<D>> = match &support.kind {
+            SupportKind::Clamped => (0..D).map(unit_vector).collect(),
+            SupportKind::Symmetry { normal } => vec![*normal],
+            SupportKind::Displacement(_) => Vec::new(),
+        };
+        for vertex in &support.vertices {
+            let known = held.entry(*vertex).or_default();
+            for normal in &normals {
+                let rest = known.iter().fold(*normal, |rest, direction| rest - direction * direction.dot(&rest));
+                known.extend(rest.try_normalize(SAME_PLANE));
+            }
+        }
+    }
+    for (vertex, directions) in held {
+        let v = &mut velocity[vertex.index()];
+        directions.iter().for_each(|direction| *v -= direction * direction.dot(v));
     }
 }
 

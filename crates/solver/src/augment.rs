@@ -9,7 +9,7 @@ use crate::{Error, Step};
 /// stiffness of its bodies needs 145 for an error of `1e-6`.
 const MOST_SOLVES: usize = 200;
 
-/// Tolerance of Newton's method in a step with a collision, relative to that of other steps.
+/// Tolerance to which a step with a collision is refined, relative to that of other steps.
 const IN_COLLISION: f64 = 1e-4;
 /// Smallest tolerance that a collision sets, well above round-off.
 const LEAST_TOLERANCE: f64 = 1e-12;
@@ -25,8 +25,7 @@ impl<const D: usize> Step<'_, D> {
     /// # Errors
     /// Newton's method fails, or the multipliers still change after the largest number of solves.
     pub(crate) fn solve(&mut self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, Error> {
-        let settings = self.newton_settings();
-        let mut report = newton(&self.problem().equations, x, work, &settings)?;
+        let mut report = newton(&self.problem().equations, x, work, &self.setup.newton)?;
         for solves in 1.. {
             // Each point of a collision is added at most a given number of times, so that collisions settle.
             match (self.augment(x), self.settle_collisions(x)) {
@@ -36,7 +35,7 @@ impl<const D: usize> Step<'_, D> {
                 }
                 _ => {}
             }
-            let solved = newton(&self.problem().equations, x, work, &settings);
+            let solved = newton(&self.problem().equations, x, work, &self.setup.newton);
             let mut last = solved.map_err(|mut error| {
                 error.report_mut().add_work(&report);
                 error
@@ -44,17 +43,28 @@ impl<const D: usize> Step<'_, D> {
             last.add_work(&report);
             report = last;
         }
+        self.refine_collision(x, work, &mut report);
         self.remove_pressure_means(x);
         Ok(report)
     }
 
-    /// Returns the settings of Newton's method, with a smaller tolerance in a collision: its weight amplifies errors of
-    /// velocities, which are below the tolerance, to errors of its force.
-    fn newton_settings(&self) -> NewtonSettings {
+    /// Solves a step with a collision to a smaller tolerance: the weight of a collision amplifies errors of velocities,
+    /// which are below the tolerance, to errors of its force. If that fails, the solution is kept as it is.
+    fn refine_collision(&self, x: &mut [f64], work: &mut Workspace, report: &mut NewtonReport) {
         let settings = self.setup.newton;
-        let reduced = (IN_COLLISION * settings.tolerance).max(LEAST_TOLERANCE);
-        let tolerance = if self.has_collision() { reduced.min(settings.tolerance) } else { settings.tolerance };
-        NewtonSettings { tolerance, ..settings }
+        let tolerance = (IN_COLLISION * settings.tolerance).max(LEAST_TOLERANCE);
+        if !self.has_collision() || tolerance >= settings.tolerance {
+            return;
+        }
+        let mut refined = x.to_vec();
+        let settings = NewtonSettings { tolerance, ..settings };
+        match newton(&self.problem().equations, &mut refined, work, &settings) {
+            Ok(last) => {
+                x.copy_from_slice(&refined);
+                report.add_work(&last);
+            }
+            Err(mut error) => report.add_work(error.report_mut()),
+        }
     }
 
     /// Subtracts the mean from the pressure of each pocket, whose constant the equations do not determine.

@@ -183,7 +183,10 @@ impl<'a, const D: usize> Step<'a, D> {
             }
         }
         if let Some(cavitation) = self.fluid.as_mut().and_then(|fluid| fluid.form.cavitation.as_mut()) {
-            cavitation.closed = self.pockets.iter().flat_map(|pocket| pocket.parts.iter().copied()).collect();
+            let coupled =
+                |pocket: &Pocket| pocket.coupled.iter().flat_map(|(parts, _)| parts.clone()).collect::<Vec<_>>();
+            let parts = self.pockets.iter().flat_map(|pocket| pocket.parts.iter().copied().chain(coupled(pocket)));
+            cavitation.closed = parts.collect();
             cavitation.closed.sort_unstable();
         }
         self.constraints = constraints;

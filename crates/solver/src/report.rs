@@ -93,8 +93,8 @@ pub struct FluidReport<const D: usize> {
     pub n_uncovered: usize,
     /// Number of pockets of fluid whose mean pressure was fixed.
     pub n_pockets: usize,
-    /// Largest net flow that given velocities press into a pocket or out of it, relative to its volume, 1/time. The
-    /// fluid of a pocket has nowhere to go, so that this flow ends in a source at one vertex.
+    /// Largest net flow that given velocities let into a pocket or out of it, relative to its volume, 1/time; negative
+    /// if the pocket shrinks. The fluid has nowhere to go, so that this flow ends in a source at one vertex.
     pub pocket_source: f64,
 }
 
@@ -184,9 +184,10 @@ impl<const D: usize> Step<'_, D> {
     fn pocket_source(&self, fluid: &FluidStep<'_, D>, residual: &[f64]) -> f64 {
         let source = |pocket: &Pocket| {
             let volume: f64 = pocket.parts.iter().map(|part| fluid.parts.moments(*part).volume()).sum();
-            residual[self.layout.dof(fluid.pressure, pocket.dof as usize, 0).index()].abs() / volume
+            residual[self.layout.dof(fluid.pressure, pocket.dof as usize, 0).index()] / volume
         };
-        self.pockets.iter().map(source).fold(0.0, f64::max)
+        let larger = |most: f64, source: f64| if source.abs() > most.abs() { source } else { most };
+        self.pockets.iter().map(source).fold(0.0, larger)
     }
 }
 

@@ -1,7 +1,5 @@
 //! Checks that the volume of the fluid is kept in a domain without open sides.
 
-use std::f64::consts::GOLDEN_RATIO;
-
 use algebra::BlockLayout;
 use algebra::time::ImplicitEuler;
 use cutcell::CutMesh;
@@ -11,13 +9,14 @@ use solver::xfem_space::PartValues;
 use solver::{FluidBoundary, FluidSetup, Setup};
 
 use super::body::{BodyCondition, BodyKeys};
+use super::condition::sampled;
 use super::error::ScenarioError;
 use super::file::Scenario;
 use super::motion::MotionChoice;
 use super::table::At;
 
 /// Checks, in a domain without open sides, that the given velocities have no net inflow, and that bodies with a given
-/// motion cover the same volume at all times. There is no check if other bodies may leave the domain, or if there is a
+/// motion cover the same volume at some times of the run. There is no check if other bodies may leave the domain, or if there is a
 /// net inflow together with a given motion.
 pub(super) fn check_balance<const D: usize>(
     scenario: &Scenario,
@@ -85,7 +84,7 @@ pub(super) fn check_balance<const D: usize>(
 /// Largest change of the volume that bodies with a given motion cover, relative to the largest volume.
 const LARGEST_CHANGE: f64 = 1e-2;
 
-/// Checks that bodies with a given motion cover the same volume at all times.
+/// Checks that bodies with a given motion cover the same volume at some times of the run.
 ///
 /// # Errors
 /// A time at which the volume differs from the volume at the start, and the difference.
@@ -123,7 +122,7 @@ fn check_displaced<const D: usize>(
         moved.iter().map(of_body).sum::<Option<f64>>()
     };
     // If a cut fails, there is no check here; the step returns the error.
-    let volumes = balance_times(times).map(|time| Some((time, covered(time)?))).collect::<Option<Vec<(f64, f64)>>>();
+    let volumes = sampled(times).map(|time| Some((time, covered(time)?))).collect::<Option<Vec<(f64, f64)>>>();
     let volumes = volumes.unwrap_or_default();
     let largest = volumes.iter().map(|(_, volume)| *volume).fold(0.0, f64::max);
     let start = volumes.first().map_or(0.0, |(_, volume)| *volume);
@@ -131,20 +130,9 @@ fn check_displaced<const D: usize>(
     changed.map_or(Ok(()), |(time, volume)| Err((*time, volume - start)))
 }
 
-/// Number of times at which the balance of a closed domain is checked.
-const BALANCE_TIMES: usize = 17;
 /// Largest net flow through the boundary of a closed domain, relative to the largest integral of the speed over the
 /// boundary. Profiles are interpolated on facets, with an error of second order in their size.
 const LARGEST_NET_FLOW: f64 = 1e-2;
-
-/// Returns the times at which the balance of a closed domain is checked: start, end, and times between them that are
-/// multiples of no period.
-fn balance_times([start, end]: [f64; 2]) -> impl Iterator<Item = f64> {
-    let fractions = (1..BALANCE_TIMES - 1).map(|k| (k as f64 * GOLDEN_RATIO).fract());
-    let mut fractions: Vec<f64> = [0.0, 1.0].into_iter().chain(fractions).collect();
-    fractions.sort_by(f64::total_cmp);
-    fractions.into_iter().map(move |fraction| start + (end - start) * fraction)
-}
 
 /// Returns a time and the net inflow at this time if no part of the boundary is open and the net inflow is not zero.
 /// Velocities are those that the solver prescribes at vertices. At a vertex of several conditions a wall has precedence
@@ -175,7 +163,7 @@ fn unbalanced<const D: usize>(fluid: &FluidSetup<D>, times: [f64; 2]) -> Option<
         };
         surface.facets().map(of_facet).fold([0.0; 2], |sum, flow| [sum[0] + flow[0], sum[1] + flow[1]])
     };
-    let flows: Vec<(f64, [f64; 2])> = balance_times(times).map(|time| (time, at(time))).collect();
+    let flows: Vec<(f64, [f64; 2])> = sampled(times).map(|time| (time, at(time))).collect();
     let largest = flows.iter().map(|(_, [_, all])| *all).fold(0.0, f64::max);
     flows.into_iter().map(|(time, [net, _])| (time, net)).find(|(_, net)| net.abs() > LARGEST_NET_FLOW * largest)
 }

@@ -104,8 +104,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         respect_symmetry(&scenario.contact, &given, fluid, &mut built)?;
     }
     let (mut contacts, mut of_contacts) = (Vec::new(), Vec::new());
-    let conditions = scenario.background.as_ref().map(|background| &**background.boundary());
-    let builder = ContactBuilder::new(&built, fluid.as_ref().map(|fluid| &fluid.background).zip(conditions));
+    let builder = ContactBuilder::new(&built, fluid.as_ref(), time.end);
     for given in &scenario.contact {
         contacts.extend(builder.contacts(given)?);
         of_contacts.resize(contacts.len(), given);
@@ -124,7 +123,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     };
     let starts: Vec<_> = setup.bodies.iter().map(|body| body.initial()).collect();
     let positions = setup.positions(&starts);
-    check_surfaces(&given, &setup.bodies, &positions)?;
+    check_surfaces(&given, &setup, &positions)?;
     let mut bottom = 0.0;
     if let Some(fluid) = &setup.fluid {
         check_placement(&given, &setup, fluid, &positions)?;
@@ -168,8 +167,8 @@ fn check_columns<const D: usize>(
     for column in of_tables.iter().map(String::as_str).chain(probes.names()) {
         let name = name_and_unit(column).0;
         if !names.insert(name) {
-            let is_of = |(probe, _): &&(String, At<ProbeChoice>)| name.strip_prefix(probe.as_str()).is_some();
-            let probe = scenario.output.probes.0.iter().find(is_of);
+            let is_of = |(probe, _): &&(String, At<ProbeChoice>)| name.starts_with(&format!("{probe}_"));
+            let probe = scenario.output.probes.0.iter().filter(is_of).max_by_key(|(probe, _)| probe.len());
             return Err(probe.map_or_else(|| file.location(), |(_, probe)| probe.at.clone()).invalid(format!(
                 "two columns of the results would have the name `{name}`; give the probe, or one of the bodies, another name"
             )));

@@ -1,6 +1,6 @@
 //! Conditions of a scenario on the boundary of the fluid.
 
-use std::f64::consts::PI;
+use std::f64::consts::{GOLDEN_RATIO, PI};
 use std::sync::Arc;
 
 use mesh::{Aabb, Point, SimplexMesh, Tag, Vector, unit_vector};
@@ -68,6 +68,18 @@ choices! {
 pub(super) fn tagged_vertices<const D: usize>(mesh: &SimplexMesh<D>, tag: Tag) -> Vec<Point<D>> {
     let facets = mesh.facets().filter(|facet| mesh.facet_tag(*facet) == Some(tag));
     facets.flat_map(|facet| mesh.facet(facet)).map(|vertex| mesh.vertex(*vertex)).collect()
+}
+
+/// Number of times at which given velocities are checked.
+const N_TIMES: usize = 17;
+
+/// Returns the times at which given velocities are checked: start, end, and times between them that are multiples of no
+/// period.
+pub(super) fn sampled([start, end]: [f64; 2]) -> impl Iterator<Item = f64> {
+    let fractions = (1..N_TIMES - 1).map(|k| (k as f64 * GOLDEN_RATIO).fract());
+    let mut fractions: Vec<f64> = [0.0, 1.0].into_iter().chain(fractions).collect();
+    fractions.sort_by(f64::total_cmp);
+    fractions.into_iter().map(move |fraction| start + (end - start) * fraction)
 }
 
 /// Largest distance of a plane of symmetry from a vertex on it, relative to the size of the domain.

@@ -6,16 +6,16 @@ use contact::{
     AugmentedLagrangianLaw, CollisionLaw, ContactForm, DeformableObstacle, NitscheLaw, Obstacle, OwnSurface,
     PenaltyLaw, RigidBall, RigidPlane, RigidSurface,
 };
-use mesh::{BodyId, BoundaryMesh, FacetId, Placed, Point, SimplexMesh};
-use solver::body::Body;
-use solver::{Contact, ContactObstacle};
+use mesh::{BodyId, BoundaryMesh, FacetId, Placed, Point, Tag};
+use solver::body::{Body, TimeField};
+use solver::{Contact, ContactObstacle, FluidBoundary, FluidSetup};
 
 use super::body::Built;
-use super::condition::FluidCondition;
+use super::condition::sampled;
 use super::error::{ErrorKind, ScenarioError, sorted};
 use super::geometry::{Geometry, Shape, ZERO_VECTOR};
 use super::key::{Quantity, missing};
-use super::table::{At, Components, Named, choices, keys};
+use super::table::{At, Components, choices, keys};
 
 keys! {
     /// Contact between bodies, or of a body with an obstacle: `pairs`, or `pair`, or `body` and `obstacle`.
@@ -151,18 +151,16 @@ pub(super) struct ContactBuilder<'p, const D: usize> {
     bodies: Vec<Arc<dyn Body<D>>>,
     /// Mean measure of the facets of each body.
     mean_facets: Vec<f64>,
-    /// The background, with the conditions on its sides.
-    background: Option<(&'p SimplexMesh<D>, &'p Named<FluidCondition>)>,
+    fluid: Option<&'p FluidSetup<D>>,
+    /// End of the run.
+    end: f64,
 }
 
 impl<'p, const D: usize> ContactBuilder<'p, D> {
-    pub(super) fn new(
-        built: &'p [Built<D>],
-        background: Option<(&'p SimplexMesh<D>, &'p Named<FluidCondition>)>,
-    ) -> Self {
+    pub(super) fn new(built: &'p [Built<D>], fluid: Option<&'p FluidSetup<D>>, end: f64) -> Self {
         let bodies: Vec<_> = built.iter().map(|built| Arc::clone(&built.body)).collect();
         let mean_facets = bodies.iter().map(|body| mean_facet(body.surface(), body.reference())).collect();
-        Self { built, bodies, mean_facets, background }
+        Self { built, bodies, mean_facets, fluid, end }
     }
 
     /// Builds the contacts of a table.
@@ -245,7 +243,8 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
             ObstacleChoice::Wall { parts } => {
                 let missing =
                     || obstacle.at.invalid("a wall is a part of the background, and there is none; add [background]");
-                let (background, conditions) = self.background.ok_or_else(missing)?;
+                let fluid = self.fluid;
+                let background = fluid.map(|fluid| &fluid.background).ok_or_else(missing)?;
                 let boundary = background.boundary();
                 let mut facets = Vec::new();
                 for name in &**parts {
@@ -253,15 +252,11 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
                     let tag = background.tag(name).filter(|_| known.contains(&name.as_str()));
                     let tag = tag.ok_or_else(|| name.at.unknown("part of the background", name, sorted(known)))?;
                     facets.extend(boundary.facets().filter(|facet| boundary.tag(*facet) == Some(tag)));
-                    let moves = |of: &FluidCondition| {
-                        matches!(of, FluidCondition::Velocity { .. } | FluidCondition::Inflow { .. })
-                    };
-                    if given.law.friction() > 0.0 && conditions.0.iter().any(|(side, of)| **name == *side && moves(of))
-                    {
+                    if given.law.friction() > 0.0 && fluid.is_some_and(|fluid| slides(fluid, tag, self.end)) {
                         return Err(name.at.invalid(format!(
-                            "side `{name}` has a velocity, and a wall is an obstacle at rest, along which friction would hold the body; let a body with a given motion take its place, \
-                             or set `friction` to zero",
-                            name = name.as_str()
+                            "side `{}` has a velocity along itself, and a wall is an obstacle at rest, along which friction would hold the body; let a body with a given motion \
+                             take its place, or set `friction` to zero",
+                            name.as_str()
                         )));
                     }
                 }
@@ -403,6 +398,28 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
     fn free_facets(&self, body: BodyId) -> Vec<FacetId> {
         self.built[body.index()].contact_facets.clone()
     }
+}
+
+/// Velocity of a side along itself that is round-off, relative to its speed.
+const ALONG: f64 = 1e-9;
+
+/// Returns whether a given velocity of a side is not normal to it, at the vertices and at some of the times up to `end`.
+fn slides<const D: usize>(fluid: &FluidSetup<D>, side: Tag, end: f64) -> bool {
+    let velocities = fluid.boundary.iter().filter(|(tag, _)| *tag == side);
+    let surface = fluid.background.boundary();
+    let placed = Placed::new(&surface, fluid.background.vertices());
+    let is_along = |velocity: &TimeField<D>, facet: FacetId| {
+        let normal = placed.facet_normal(facet);
+        let points = surface.facet(facet).iter().map(|vertex| fluid.background.vertex(*vertex));
+        points
+            .flat_map(|x| sampled([0.0, end]).map(move |t| velocity(&x, t)))
+            .any(|v| (v - normal * normal.dot(&v)).norm() > ALONG * v.norm())
+    };
+    velocities.filter_map(|(_, of)| if let FluidBoundary::Velocity(velocity) = of { Some(velocity) } else { None }).any(
+        |velocity| {
+            surface.facets().filter(|facet| surface.tag(*facet) == Some(side)).any(|facet| is_along(velocity, facet))
+        },
+    )
 }
 
 /// Returns the distance in the undeformed body up to which two parts of a surface are excluded from contact with each

@@ -332,8 +332,11 @@ fn check_effects(scenario: &Scenario, bodies: &[At<BodyKeys>]) -> Result<(), Sce
         OrTable::Plain(_) => None,
     });
     let collides = |contact: &&At<ContactKeys>| matches!(contact.law, ContactLawChoice::Collision { .. });
-    let of_contact = || scenario.contact.iter().find(collides).map(|contact| contact.at.part("law"));
-    let found = bodies.iter().find_map(of_body).or(of_fluid).or_else(of_contact);
+    if let Some(contact) = scenario.contact.iter().find(collides) {
+        let message = "a collision reverses velocities, which have no inertia in quasi-static steps; use another law, or another scheme";
+        return Err(contact.at.part("law").invalid(message));
+    }
+    let found = bodies.iter().find_map(of_body).or(of_fluid);
     found.map_or(Ok(()), |place| Err(place.error(ErrorKind::NoEffect("quasi-static steps, which have no inertia"))))
 }
 

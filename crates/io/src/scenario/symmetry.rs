@@ -1,7 +1,7 @@
 //! Planes of symmetry, and the bodies on them.
 
 use mesh::generate::HALF_BALL_PLANE;
-use mesh::{Aabb, BoundaryMesh, FacetId, Point, SimplexMesh, Tag, Vector, unit_vector};
+use mesh::{Aabb, BoundaryMesh, FacetId, Point, SimplexMesh, Tag, Vector, VertexId, unit_vector};
 use solver::{FluidBoundary, FluidSetup};
 
 use super::background::Background;
@@ -59,19 +59,36 @@ fn stops<const D: usize>(
     is_plane && contact.body.as_ref().is_some_and(|name| **name == body || **name == ALL)
 }
 
-impl<const D: usize> SymmetryPlane<D> {
-    /// Returns whether a surface reaches from one side of the plane to the other through the side of the background.
-    fn is_crossed_by(&self, surface: &BoundaryMesh<D>, positions: &[Point<D>]) -> bool {
-        let height = |x: &Point<D>| self.normal.dot(x) - self.place;
-        surface.facets().any(|facet| {
-            let corners = surface.facet(facet);
-            let ends = (0..corners.len()).map(|k| [corners[k], corners[(k + 1) % corners.len()]]);
-            ends.map(|ends| ends.map(|vertex| positions[vertex.index()])).any(|[from, to]| {
-                let [a, b] = [height(&from), height(&to)];
-                a.min(b) < -self.room && a.max(b) > self.room && self.is_on_side(&(from + (to - from) * (a / (a - b))))
-            })
+/// Largest distance of a vertex beyond a plane of symmetry that is round-off, relative to the size of the domain: above
+/// that of files with seven digits.
+const BEYOND: f64 = 1e-6;
+
+/// Returns the vertices of a surface beyond a plane of symmetry, if the surface reaches through the side of the
+/// background on it; else none.
+fn beyond<const D: usize>(
+    plane: &SymmetryPlane<D>,
+    background: &SimplexMesh<D>,
+    surface: &BoundaryMesh<D>,
+    positions: &[Point<D>],
+) -> Vec<VertexId> {
+    let domain = Aabb::of_points(background.vertices());
+    let height = |x: &Point<D>| plane.normal.dot(x) - plane.place;
+    let room = BEYOND * domain.extent().max();
+    let outward = -height(&((domain.low + domain.high) * 0.5)).signum();
+    let out = |vertex: &VertexId| outward * height(&positions[vertex.index()]);
+    let all = surface.vertices_of(&surface.facets().collect::<Vec<_>>());
+    let is_across = |facet: FacetId| {
+        let corners = surface.facet(facet);
+        (0..corners.len()).any(|k| {
+            let [from, to] = [corners[k], corners[(k + 1) % corners.len()]].map(|vertex| positions[vertex.index()]);
+            let [a, b] = [height(&from), height(&to)];
+            a.abs() <= room && plane.is_on_side(&(from - plane.normal * a))
+                || a * b < 0.0 && plane.is_on_side(&(from + (to - from) * (a / (a - b))))
         })
-    }
+    };
+    let is_inside = all.iter().any(|vertex| out(vertex) < -room);
+    let found: Vec<_> = all.into_iter().filter(|vertex| out(vertex) > room).collect();
+    if is_inside && surface.facets().any(is_across) { found } else { Vec::new() }
 }
 
 /// Returns the planes of symmetry.
@@ -151,10 +168,23 @@ pub(super) fn respect_symmetry<const D: usize>(
             let vertices = body.surface().facet(facet);
             planes.iter().find(|plane| vertices.iter().all(|v| plane.contains(&positions[v.index()])))
         };
-        if body.is_movable() && planes.iter().any(|plane| plane.is_crossed_by(body.surface(), &positions)) {
+        let is_clamped = |vertex: VertexId| {
+            let clamps = |name: &String| {
+                let mut conditions = given.boundary.iter().flat_map(|boundary| &boundary.0);
+                conditions.any(|(part, of)| part == name && matches!(**of, BodyCondition::Clamped))
+            };
+            let surface = body.surface();
+            let mut around = surface.facets().filter(|facet| surface.facet(*facet).contains(&vertex));
+            around.any(|facet| surface.tag(facet).and_then(|tag| part_names.get(tag.index())).is_some_and(clamps))
+        };
+        let is_free = |plane: &SymmetryPlane<D>| {
+            let vertices = beyond(plane, &fluid.background, body.surface(), &positions);
+            vertices.into_iter().any(|vertex| !is_clamped(vertex))
+        };
+        if body.is_movable() && planes.iter().any(is_free) {
             return Err(given.shape.at.invalid(format!(
                 "body `{}` reaches through a plane of symmetry of the background: the fluid would act on a part of it, and it would have all of its mass; use the \
-                 part on one side, such as kind = \"half-ball\", or move it",
+                 part on one side, such as kind = \"half-ball\", move it, or clamp all of an elastic body that is beyond",
                 body.name()
             )));
         }
