@@ -48,6 +48,11 @@ pub trait Body<const D: usize>: Send + Sync {
         None
     }
 
+    /// Returns whether a given motion of the body ends in the step `time`, so that its acceleration jumps.
+    fn is_released(&self, _time: &StepTime) -> bool {
+        false
+    }
+
     /// Returns the mass, momentum, energies, centre and volume; `None` for a body of prescribed motion.
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>>;
 

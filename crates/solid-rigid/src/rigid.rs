@@ -22,6 +22,13 @@ pub struct Guide<const D: usize> {
     pub velocity: VectorInTime<D>,
 }
 
+impl<const D: usize> Guide<D> {
+    /// Returns whether the guide prescribes the motion in a step that begins at `start`.
+    fn acts_from(&self, start: f64) -> bool {
+        start < self.until * (1.0 - ROUND_OFF)
+    }
+}
+
 /// A body that moves without deforming. Translations along axes and the rotation may be held, and a [`Guide`] may
 /// prescribe the motion up to a time.
 ///
@@ -198,6 +205,10 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         self.variable_gravity.as_ref().map_or(Vector::zeros(), |gravity| gravity(time))
     }
 
+    fn is_released(&self, time: &StepTime) -> bool {
+        self.guide.as_ref().is_some_and(|guide| guide.acts_from(time.end - time.length) && !guide.acts_from(time.end))
+    }
+
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>> {
         let motion = self.motion(state);
         let mass = self.mass.mass;
@@ -254,7 +265,7 @@ impl<const D: usize> BodyStep<D> for RigidStep<'_, D> {
             }
         }
         let start = self.time.end - self.time.length;
-        let guided = self.body.guide.as_ref().filter(|guide| start < guide.until * (1.0 - ROUND_OFF));
+        let guided = self.body.guide.as_ref().filter(|guide| guide.acts_from(start));
         let guided = guided.map(|guide| (guide.velocity)(self.time.end));
         for (m, dof) in layout.node(self.whole, 0).enumerate() {
             // Velocity at the end of the step: zero for held modes, that of the guide before the release.

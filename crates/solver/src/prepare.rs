@@ -223,8 +223,8 @@ impl<'a, const D: usize> Step<'a, D> {
         self.bodies.iter().map(|body| body.end(&self.layout, x)).collect()
     }
 
-    /// Returns the state at the end of the step. Moves cut and space into it. After a collision accelerations are
-    /// unknown.
+    /// Returns the state at the end of the step, with cut and space. Accelerations are unknown after a collision or a
+    /// release, in which they jump.
     pub(crate) fn finish(
         self,
         substep: Substep,
@@ -232,7 +232,7 @@ impl<'a, const D: usize> Step<'a, D> {
         bodies: Vec<BodyState<D>>,
         contact_energy: f64,
     ) -> State<D> {
-        let has_collision = self.has_collision();
+        let jumps = self.has_collision() || self.setup.bodies.iter().any(|body| body.is_released(&self.time));
         let end = State {
             step: self.previous.step + usize::from(substep.is_last),
             time: self.time.end,
@@ -240,6 +240,6 @@ impl<'a, const D: usize> Step<'a, D> {
             bodies,
             contact_energy,
         };
-        if has_collision { end.without_accelerations() } else { end }
+        if jumps { end.without_accelerations() } else { end }
     }
 }

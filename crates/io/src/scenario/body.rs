@@ -37,7 +37,8 @@ keys! {
         motion: Option<At<MotionChoice>>,
         /// Order of the elements of an elastic body; 1 if left out. Elements of order 2 have nodes on their edges;
         /// those on the edge of a disk lie on its circle. Order 1 is far too stiff in bending with few elements through
-        /// the thickness: a cantilever of two bends by less than half; use order 2 for beams and plates.
+        /// the thickness: a cantilever of two bends by less than half. It is also too stiff if Poisson's ratio is near one half.
+        /// Use order 2 for beams, plates and materials that hardly change their volume.
         order: Option<At<usize>> [between(1.0, 2.0)],
         /// Material of an elastic body.
         material: Option<At<MaterialChoice>>,
@@ -226,9 +227,11 @@ pub(super) fn body<const D: usize>(
     coordinates: Coordinates,
 ) -> Result<Built<D>, ScenarioError> {
     let geometry = given.geometry()?;
+    let part_names;
     let body: Arc<dyn Body<D>> = match (given.motion.as_ref(), geometry) {
         (None, geometry) => return elastic(given, geometry, time, coordinates),
         (Some(motion), geometry) => {
+            part_names = geometry.part_names();
             let (boundary, reference) = geometry.into_surface();
             check_radii(given, &reference, coordinates)?;
             let boundary = boundary.with_coordinates(coordinates);
@@ -250,7 +253,7 @@ pub(super) fn body<const D: usize>(
         }
     };
     let contact_facets = body.surface().facets().filter(|facet| !on_axis(body.surface(), body.reference(), *facet));
-    Ok(Built { contact_facets: contact_facets.collect(), part_names: Vec::new(), body })
+    Ok(Built { contact_facets: contact_facets.collect(), part_names, body })
 }
 
 /// Checks that no vertex has a negative radius in axisymmetric coordinates.

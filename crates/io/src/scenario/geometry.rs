@@ -268,6 +268,15 @@ impl<const D: usize> Geometry<D> {
         }
     }
 
+    /// Returns the names of the parts of the surface, in the order of its tags.
+    pub(super) fn part_names(&self) -> Vec<String> {
+        match self {
+            Self::Mesh(mesh, _) => mesh.tag_names().to_vec(),
+            Self::Lines(lines, _) => names_of_lines(lines),
+            Self::Surface(..) => Vec::new(),
+        }
+    }
+
     /// Returns the surface with the positions of its own vertices.
     pub(super) fn into_surface(self) -> (BoundaryMesh<D>, Vec<Point<D>>) {
         let mesh = match self {
@@ -279,13 +288,14 @@ impl<const D: usize> Geometry<D> {
         let mut numbers: Vec<Option<VertexId>> = vec![None; mesh.n_vertices()];
         let mut positions = Vec::new();
         let mut facets = Vec::with_capacity(D * whole.n_facets());
+        let tags = whole.facets().map(|facet| whole.tag(facet)).collect();
         for vertex in whole.facets().flat_map(|facet| whole.facet(facet)) {
             facets.push(*numbers[vertex.index()].get_or_insert_with(|| {
                 positions.push(mesh.vertex(*vertex));
                 VertexId::new(positions.len() - 1)
             }));
         }
-        (BoundaryMesh::from_facets(facets), positions)
+        (BoundaryMesh::new(facets, Vec::new(), tags), positions)
     }
 }
 
@@ -407,17 +417,30 @@ fn refuse(at: &Location, error: mesh::Error) -> ScenarioError {
     }
 }
 
+/// Returns the names of the parts of lines, each once.
+fn names_of_lines(lines: &[ClosedLine]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for name in lines.iter().flat_map(|line| &line.names) {
+        if !names.contains(name) {
+            names.push(name.clone());
+        }
+    }
+    names
+}
+
 /// Returns the surface of lines: the outer line first, then the lines around holes.
 pub(super) fn surface_of_lines<const D: usize>(lines: Vec<ClosedLine>) -> (BoundaryMesh<D>, Vec<Point<D>>) {
-    let (mut facets, mut positions) = (Vec::new(), Vec::new());
+    let names = names_of_lines(&lines);
+    let (mut facets, mut positions, mut tags) = (Vec::new(), Vec::new(), Vec::new());
     for (k, line) in lines.into_iter().enumerate() {
         let is_outwards = (line.area() > 0.0) == (k == 0);
         let line = if is_outwards { line } else { line.reversed() };
         let (first, n) = (positions.len(), line.points.len());
         positions.extend(line.points.iter().map(|x| Point::from_fn(|axis, _| x[axis])));
         facets.extend((0..n).flat_map(|k| [first + k, first + (k + 1) % n]).map(VertexId::new));
+        tags.extend(line.names.iter().map(|name| names.iter().position(|other| other == name).map(Tag::new)));
     }
-    (BoundaryMesh::from_facets(facets), positions)
+    (BoundaryMesh::new(facets, Vec::new(), tags), positions)
 }
 
 /// Returns the nodes of elements of order 2 on lines. The points of the lines are the first vertices of the mesh.

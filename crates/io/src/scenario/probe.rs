@@ -196,7 +196,9 @@ fn facets<const D: usize>(
     let name = |facet: FacetId| surface.tag(facet).and_then(|tag| part_names.get(tag.index()));
     for part in parts {
         if !surface.facets().any(|facet| name(facet) == Some(part)) {
-            return Err(part.at.unknown("part of the surface", part, part_names.iter().map(String::as_str)));
+            let unnamed = || part.at.invalid("no part of this surface has a name; leave `parts` out for all of it");
+            let unknown = || part.at.unknown("part of the surface", part, part_names.iter().map(String::as_str));
+            return Err(if part_names.is_empty() { unnamed() } else { unknown() });
         }
     }
     let is_in = |facet| parts.is_empty() || parts.iter().any(|part| name(facet) == Some(part));

@@ -448,3 +448,29 @@ copies           = [[3, 5]]
         assert!(first[2].abs() > 1e-3 && (first[2] - copy[2]).abs() < 1e-10, "{name}: {} {}", first[2], copy[2]);
     }
 }
+
+/// The acceleration of a guide ends with it: a block at rest until 0.4 falls freely then, and keeps the speed that it
+/// was given.
+#[test]
+fn a_released_body_moves_freely() {
+    let text = r#"
+name      = "release"
+dimension = 2
+units     = "si"
+time      = { step = 0.05, end = 1.0 }
+
+[[body]]
+name    = "block"
+shape   = { kind = "box", min = [0, 0], max = [1, 1], n = [1, 1] }
+motion  = { kind = "free", guided = { until = 0.4, velocity = ["t", 0] } }
+density = 1.0
+gravity = [0, -10]
+"#;
+    let directory = fresh_directory("release");
+    results(&legal(text, &[]), &directory);
+    let last = |name: &str| *column(&directory, name).last().expect("a step");
+    // The velocity of the guide ends at 0.4.
+    assert!((last("centre_velocity_x") - 0.4).abs() < 1e-9, "{}", last("centre_velocity_x"));
+    assert!((last("centre_velocity") + 6.0).abs() < 1e-9, "{}", last("centre_velocity"));
+    assert!((last("centre_y") - (0.5 - 0.5 * 10.0 * 0.36)).abs() < 1e-9, "{}", last("centre_y"));
+}

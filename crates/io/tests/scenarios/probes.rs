@@ -351,3 +351,32 @@ fn probes_go_on_from_a_checkpoint() {
     let refused = resumed.run(&legal(&other, &[&["time.end=0.2"]]), &directory, &mut ()).expect_err("other columns");
     check_words(&refused.to_string(), &["probes.csv", "the probes are not those of the run"]);
 }
+
+/// The forces on the parts of a rigid body add up to that on all of it, for a shape with a mesh and one without.
+#[test]
+fn parts_of_rigid_bodies_are_measured() {
+    let shapes = [
+        r#"{ kind = "box", min = [0.8, 0.3], max = [1.2, 0.7], n = [2, 2] }"#,
+        r#"{ kind = "polygon", corners = [[0.8, 0.3], [1.2, 0.3], [1.2, 0.7], [0.8, 0.7]], size = 0.2 }"#,
+    ];
+    for (shape, sides) in
+        shapes.into_iter().zip([["left", "right", "bottom", "top"], ["side-1", "side-2", "side-3", "side-4"]])
+    {
+        let parts: String = sides
+            .iter()
+            .map(|side| format!("{side} = {{ kind = \"force\", body = \"block\", parts = [\"{side}\"] }}\n"))
+            .collect();
+        let block = format!(
+            "all = {{ kind = \"force\", body = \"block\" }}\n{parts}\n[[body]]\nname = \"block\"\nshape = {shape}\nmotion = \"fixed\"\n"
+        );
+        let directory = fresh_directory("parts-of-rigid");
+        results(&legal(&(flow() + &block), &[]), &directory);
+        let probes = HistoryTable::read(&directory.join("probes.csv")).unwrap_or_else(|e| panic!("{e}"));
+        for axis in ["x", "y"] {
+            let whole = last(&probes, &format!("all_{axis}"));
+            let of_parts = sides.map(|side| last(&probes, &format!("{side}_{axis}")));
+            assert!(of_parts.iter().all(|force| force.abs() > 1e-3) && whole.abs() > 0.1, "{of_parts:?}");
+            assert!((of_parts.iter().sum::<f64>() - whole).abs() < 1e-10 * whole.abs(), "{of_parts:?} {whole}");
+        }
+    }
+}
