@@ -1,6 +1,6 @@
 //! Conditions of a scenario on the boundary of the fluid.
 
-use std::f64::consts::{GOLDEN_RATIO, PI};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use mesh::{Aabb, Point, SimplexMesh, Tag, Vector, unit_vector};
@@ -72,6 +72,8 @@ pub(super) fn tagged_vertices<const D: usize>(mesh: &SimplexMesh<D>, tag: Tag) -
 
 /// Number of times at which given velocities are checked.
 const N_TIMES: usize = 17;
+/// The ratio whose multiples are farthest from being periodic.
+const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 
 /// Returns the times at which given velocities are checked: start, end, and times between them that are multiples of no
 /// period.
