@@ -1,6 +1,7 @@
 //! A background mesh cut by closed surfaces.
 
-use mesh::{BodyId, CellId, FacetId, Point, QuadratureRule, SimplexMesh, SimplexRule, Vector, simplex_measure};
+use mesh::{Aabb, BodyId, CellId, FacetId, Point, QuadratureRule, SimplexMesh, SimplexRule, Vector, simplex_measure};
+use smallvec::SmallVec;
 
 use crate::clip::Polytopes;
 use crate::report::SLIVER;
@@ -272,9 +273,18 @@ impl<const D: usize> CutMesh<D> {
         if other.is_whole(other_part) {
             return self.part_volume(part);
         }
+        // A cell may have thousands of pieces, of which few meet.
+        let mut opposite: SmallVec<[(Aabb<D>, [Point<D>; 4]); 8]> = SmallVec::new();
+        other.for_each_simplex(background, other_part, |b| {
+            opposite
+                .push((Aabb::of_points(b), std::array::from_fn(|k| b.get(k).copied().unwrap_or_else(Point::zeros))));
+        });
         let mut volume = 0.0;
         self.for_each_simplex(background, part, |a| {
-            other.for_each_simplex(background, other_part, |b| volume += simplex_overlap(a, b));
+            let Aabb { low, high } = Aabb::of_points(a);
+            let meets = |b: &Aabb<D>| (0..D).all(|k| low[k] < b.high[k] && b.low[k] < high[k]);
+            let near = opposite.iter().filter(|(bounds, _)| meets(bounds));
+            near.for_each(|(_, b)| volume += simplex_overlap(a, &b[..=D]));
         });
         volume
     }
@@ -282,15 +292,6 @@ impl<const D: usize> CutMesh<D> {
 
 /// Computes the common volume of two positively oriented simplices.
 fn simplex_overlap<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> f64 {
-    for k in 0..D {
-        let range = |s: &[Point<D>]| {
-            s.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x[k]), high.max(x[k])))
-        };
-        let (a, b) = (range(a), range(b));
-        if a.1 <= b.0 || b.1 <= a.0 {
-            return 0.0;
-        }
-    }
     let Some(gradients) = mesh::Simplex::new(b).barycentric_gradients() else { return 0.0 };
     // Inside `b`, all barycentric coordinates are positive.
     let mut planes = [(Vector::zeros(), Point::zeros()); 4];
