@@ -268,8 +268,7 @@ fn motion(body: &BodyKeys) -> String {
 }
 
 fn supports(body: &BodyKeys) -> String {
-    let parts = body.boundary.iter().flat_map(|conditions| &conditions.0);
-    parts.map(|(name, condition)| format!(", {name} {}", condition.word())).collect()
+    body.conditions().map(|(name, condition)| format!(", {name} {}", condition.word())).collect()
 }
 
 fn contact_line(contact: &ContactKeys, length: &str) -> String {

@@ -144,9 +144,7 @@ fn not_held<const D: usize>(scenario: &Scenario, setup: &Setup<D>) -> Vec<String
         return Vec::new();
     }
     let holds = |condition: &BodyCondition| !matches!(condition, BodyCondition::Traction { .. });
-    let is_held = |keys: &BodyKeys| {
-        keys.boundary.iter().flat_map(|conditions| &conditions.0).any(|(_, condition)| holds(condition))
-    };
+    let is_held = |keys: &BodyKeys| keys.conditions().any(|(_, condition)| holds(condition));
     let all = scenario.bodies();
     let bodies = setup.bodies.iter().zip(&all).filter(|(body, keys)| body.is_movable() && !is_held(keys));
     let line = |(body, _): (&Arc<dyn Body<D>>, _)| {

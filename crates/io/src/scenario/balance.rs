@@ -34,7 +34,7 @@ pub(super) fn check_balance<const D: usize>(
         Some(MotionChoice::Fixed | MotionChoice::Free { .. }) => positions[k].iter().all(is_inside),
         Some(_) => false,
         None => {
-            let conditions = || bodies[k].boundary.iter().flat_map(|boundary| &boundary.0);
+            let conditions = || bodies[k].conditions();
             let is_held = |name: &str| {
                 let holds = |condition: &BodyCondition| {
                     matches!(condition, BodyCondition::Clamped | BodyCondition::Symmetry { .. })
@@ -47,7 +47,7 @@ pub(super) fn check_balance<const D: usize>(
                 .partition(|facet| surface.tag(*facet).is_some_and(|tag| is_held(&part_names[k][tag.index()])));
             let held = surface.vertices_of(&held);
             let mut loose = surface.vertices_of(&loose).into_iter();
-            !conditions().any(|(_, condition)| matches!(**condition, BodyCondition::Displacement { .. }))
+            !conditions().any(|(_, condition)| matches!(condition, BodyCondition::Displacement { .. }))
                 && loose.all(|v| held.binary_search(&v).is_ok() || is_inside(&positions[k][v.index()]))
         }
     };

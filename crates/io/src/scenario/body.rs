@@ -149,6 +149,11 @@ impl At<BodyKeys> {
 }
 
 impl BodyKeys {
+    /// Returns the conditions on parts of the surface, with the names of the parts.
+    pub(crate) fn conditions(&self) -> impl Iterator<Item = (&str, &BodyCondition)> {
+        self.boundary.iter().flat_map(|boundary| &boundary.0).map(|(name, condition)| (name.as_str(), &**condition))
+    }
+
     /// Returns the shift of the shape.
     fn shift<const D: usize>(&self) -> Vector<D> {
         self.shift.as_ref().map_or(Vector::zeros(), Components::vector)

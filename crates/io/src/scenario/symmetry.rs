@@ -147,16 +147,15 @@ pub(super) fn respect_symmetry<const D: usize>(
     let domain = Aabb::of_points(fluid.background.vertices());
     for given in bodies {
         let Shape::HalfBall { centre, mirrored: false, .. } = &*given.shape else { continue };
-        let mut conditions = given.boundary.iter().flat_map(|boundary| &boundary.0);
-        let is_symmetric = |(name, condition): &(String, At<BodyCondition>)| {
-            name == HALF_BALL_PLANE && matches!(**condition, BodyCondition::Symmetry { .. })
+        let is_symmetric = |(name, condition): (&str, &BodyCondition)| {
+            name == HALF_BALL_PLANE && matches!(condition, BodyCondition::Symmetry { .. })
         };
         let at = centre[0] + given.shift.as_ref().map_or(0.0, |shift| shift[0]);
         let on_diameter = unit_vector::<D>(0) * at;
         let is_on_plane = planes.iter().any(|plane| plane.normal[0] == 1.0 && plane.contains(&on_diameter));
         let is_inside = domain.low[0] <= at && at <= domain.high[0];
         let is_on_axis = fluid.background.coordinates().radial() == Some(0) && at == 0.0;
-        if conditions.any(is_symmetric) && is_inside && !is_on_plane && !is_on_axis {
+        if given.conditions().any(is_symmetric) && is_inside && !is_on_plane && !is_on_axis {
             return Err(given.shape.at.invalid(format!(
                 "the diameter of this half ball is a line of symmetry at x = {at}, but no side of the background is one there; move it, or use a ball"
             )));
@@ -170,8 +169,7 @@ pub(super) fn respect_symmetry<const D: usize>(
         };
         let is_clamped = |vertex: VertexId| {
             let clamps = |name: &String| {
-                let mut conditions = given.boundary.iter().flat_map(|boundary| &boundary.0);
-                conditions.any(|(part, of)| part == name && matches!(**of, BodyCondition::Clamped))
+                given.conditions().any(|(part, of)| part == name && matches!(of, BodyCondition::Clamped))
             };
             let surface = body.surface();
             let mut around = surface.facets().filter(|facet| surface.facet(*facet).contains(&vertex));
@@ -191,8 +189,8 @@ pub(super) fn respect_symmetry<const D: usize>(
         let Some(motion) = &given.motion else {
             let is_moved = |facet: &FacetId| {
                 let name = body.surface().tag(*facet).and_then(|tag| part_names.get(tag.index()));
-                let mut conditions = given.boundary.iter().flat_map(|boundary| &boundary.0);
-                conditions.any(|(part, of)| Some(part) == name && matches!(**of, BodyCondition::Displacement { .. }))
+                let moves = |of: &BodyCondition| matches!(of, BodyCondition::Displacement { .. });
+                given.conditions().any(|(part, of)| name.is_some_and(|name| part == name) && moves(of))
             };
             let is_loose = |facet: &&FacetId| {
                 let at = body.surface().facet(**facet).iter().map(|v| positions[v.index()]);
