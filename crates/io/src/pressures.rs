@@ -70,7 +70,7 @@ fn n_times<const D: usize>(case: &Case<D>, n_places: usize) -> usize {
 fn side_pressures<const D: usize>(fluid: &FluidSetup<D>, case: &Case<D>, end: f64) -> Vec<Pressure> {
     let background = &fluid.background;
     let of_side = |(tag, condition): &(mesh::Tag, FluidBoundary<D>)| {
-        let FluidBoundary::Open { traction: Some(traction), .. } = condition else { return None };
+        let traction = condition.traction()?;
         let side = &background.tag_names()[tag.index()];
         let mut pressure = Pressure::new(format!("side {side}: pressure"), format!("pressure of side {side}"));
         let facets: Vec<_> = background.facets().filter(|facet| background.facet_tag(*facet) == Some(*tag)).collect();

@@ -8,6 +8,8 @@ use crate::{Error, Step};
 /// Largest number of solves of a step in which multipliers change. A contact whose parameter is a tenth of the
 /// stiffness of its bodies needs 145 for an error of `1e-6`.
 const MOST_SOLVES: usize = 200;
+/// Solves over which the decrease of the changes is measured if they do not settle.
+const MEASURED: usize = 20;
 
 /// Tolerance to which a step with a collision is refined, relative to that of other steps.
 const IN_COLLISION: f64 = 1e-4;
@@ -26,13 +28,23 @@ impl<const D: usize> Step<'_, D> {
     /// Newton's method fails, or the multipliers still change after the largest number of solves.
     pub(crate) fn solve(&mut self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, Error> {
         let mut report = newton(&self.problem().equations, x, work, &self.setup.newton)?;
+        let mut measured_from = f64::NAN;
         for solves in 1.. {
             // Each point of a collision is added at most a given number of times, so that collisions settle.
             match (self.augment(x), self.settle_collisions(x)) {
                 (None, false) => break,
                 (Some(Unsettled { contact, change, accepted }), false) if solves >= MOST_SOLVES => {
-                    return Err(Error::Multipliers { contact, solves, change, accepted, newton: Box::new(report) });
+                    let ratio = (change / measured_from).powf(1.0 / MEASURED as f64);
+                    return Err(Error::Multipliers {
+                        contact,
+                        solves,
+                        change,
+                        accepted,
+                        ratio,
+                        newton: Box::new(report),
+                    });
                 }
+                (Some(Unsettled { change, .. }), _) if solves + MEASURED == MOST_SOLVES => measured_from = change,
                 _ => {}
             }
             let solved = newton(&self.problem().equations, x, work, &self.setup.newton);

@@ -123,9 +123,8 @@ pub enum Error {
     /// The multipliers of a contact still change after many solves of the step: the parameter of the contact is small
     /// for the stiffness of its bodies (take a larger one), or the body does not fit between its obstacles.
     #[error(
-        "the multipliers of contact {contact} still change by {change:e} after {solves} solves, and {accepted:e} is accepted; take a larger \
-         parameter of its law (with friction at most some hundred times the contact size times the mass per area over the square of the step) or \
-         tolerance, and check that the body fits between its obstacles"
+        "the multipliers of contact {contact} still change by {change:e} after {solves} solves, and {accepted:e} is accepted; {}",
+        remedy(*ratio)
     )]
     Multipliers {
         /// Index of the contact in the setup.
@@ -135,6 +134,8 @@ pub enum Error {
         change: f64,
         /// Largest change that is accepted.
         accepted: f64,
+        /// Change over that of the solve before, a mean over the last solves. NaN if it is not known.
+        ratio: f64,
         /// Report of the solves, which are discarded.
         newton: Box<NewtonReport>,
     },
@@ -156,6 +157,21 @@ pub enum Error {
     /// An observer failed.
     #[error("an observer failed to record the step")]
     Observer(#[source] ObserverError),
+}
+
+/// Returns the remedy for multipliers that a solve changes by `ratio` times the change of the solve before. With the
+/// stiffness `k` of the contact and `K` of the motion in a step, `ratio = K/(K + k)`.
+fn remedy(ratio: f64) -> String {
+    if ratio < 0.999 {
+        let factor = 100.0 * ratio / (1.0 - ratio);
+        format!(
+            "a solve leaves {ratio:.3} of the change of the one before, and would leave a hundredth with a parameter of its law about {factor:.0e} times \
+             as large; or take a larger tolerance"
+        )
+    } else {
+        "the changes do not shrink: check that the body fits between its obstacles, and take a larger parameter of its law, with friction a smaller one"
+            .to_owned()
+    }
 }
 
 impl Error {

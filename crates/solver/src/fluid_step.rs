@@ -20,7 +20,7 @@ use xfem_space::{
 
 use crate::extension::Extension;
 use crate::overlay::overlay;
-use crate::setup::{ConvectionForm, FluidBoundary, FluidSetup};
+use crate::setup::{ConvectionForm, FluidBoundary, FluidSetup, TractionField};
 use crate::state::KineticProducts;
 use crate::surfaces::Surfaces;
 use crate::{Error, FluidState, Setup, Stabilisation, State};
@@ -272,12 +272,10 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             let cell = background.cell(self.cut.part_cell(piece.part));
             for vertex in background.facet(piece.facet) {
                 let Some(local) = cell.iter().position(|v| v == vertex) else { continue };
-                let pressure = match condition {
-                    Some(FluidBoundary::Open { traction: Some(traction), .. }) => {
-                        -traction(&background.vertex(*vertex), &normal, self.time.stage()).dot(&normal)
-                    }
-                    _ => 0.0,
+                let of_traction = |traction: &TractionField<D>| {
+                    -traction(&background.vertex(*vertex), &normal, self.time.stage()).dot(&normal)
                 };
+                let pressure = condition.and_then(FluidBoundary::traction).map_or(0.0, of_traction);
                 let dof = self.space.dofs(piece.part)[local];
                 constraints.set(layout.dof(self.pressure, dof as usize, 0), pressure);
             }
@@ -383,15 +381,15 @@ fn form<const D: usize>(fluid: &FluidSetup<D>, rate: f64, time: f64) -> FluidFor
 fn open_boundaries<'a, const D: usize>(fluid: &'a FluidSetup<D>, cut: &CutMesh<D>, time: f64) -> Vec<OpenTerms<'a, D>> {
     let mut open = Vec::new();
     for (tag, condition) in &fluid.boundary {
-        if let FluidBoundary::Open { traction, backflow } = condition
-            && (traction.is_some() || *backflow)
-        {
+        let traction = condition.traction();
+        let has_backflow = matches!(condition, FluidBoundary::Open { backflow: true, .. });
+        if traction.is_some() || has_backflow {
             // Without convection, inflow brings no energy.
-            let backflow = *backflow && fluid.convection.is_some();
+            let has_backflow = has_backflow && fluid.convection.is_some();
             open.push(OpenTerms {
                 points: boundary_points(&fluid.background, cut, *tag, BOUNDARY_DEGREE),
-                traction: traction.as_ref().map(|traction| Traction { traction: traction.as_ref(), time }),
-                backflow: backflow.then_some(Backflow { density: fluid.material.density }),
+                traction: traction.map(|traction| Traction { traction: traction.as_ref(), time }),
+                backflow: has_backflow.then_some(Backflow { density: fluid.material.density }),
             });
         }
     }

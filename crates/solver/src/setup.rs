@@ -123,10 +123,12 @@ pub enum FluidBoundary<const D: usize> {
         /// Unit normal of the plane, of either sign.
         normal: Vector<D>,
     },
-    /// Flow through a plane along its normal, without normal traction.
+    /// Flow through a plane along its normal, with the normal traction given.
     Parallel {
         /// Unit normal of the plane, of either sign.
         normal: Vector<D>,
+        /// The traction `T^f n`, of which only the normal part acts (zero if `None`).
+        traction: Option<TractionField<D>>,
     },
     /// Traction given (zero if `None`).
     Open {
@@ -143,9 +145,17 @@ impl<const D: usize> FluidBoundary<D> {
         Self::Symmetry { normal: unit_vector(axis) }
     }
 
-    /// Creates the flow along an axis with an index from 0 to `D - 1`.
+    /// Creates the flow along an axis with an index from 0 to `D - 1`, without traction.
     pub fn parallel(axis: usize) -> Self {
-        Self::Parallel { normal: unit_vector(axis) }
+        Self::Parallel { normal: unit_vector(axis), traction: None }
+    }
+
+    /// Returns the traction, if one is given.
+    pub fn traction(&self) -> Option<&TractionField<D>> {
+        match self {
+            Self::Open { traction, .. } | Self::Parallel { traction, .. } => traction.as_ref(),
+            Self::NoSlip | Self::Velocity(_) | Self::Symmetry { .. } => None,
+        }
     }
 
     /// Returns whether fluid may cross the part without a given velocity.
@@ -158,7 +168,7 @@ impl<const D: usize> FluidBoundary<D> {
     pub(crate) fn without_flow(&self) -> Vec<Vector<D>> {
         match self {
             Self::Symmetry { normal } => vec![*normal],
-            Self::Parallel { normal } => {
+            Self::Parallel { normal, .. } => {
                 let across = (0..D).filter(|axis| *axis != normal.iamax());
                 across.map(|axis| unit_vector(axis) - normal * normal[axis]).collect()
             }
@@ -326,7 +336,7 @@ impl<const D: usize> Setup<D> {
             mesh::require(roughness >= 0.0 && roughness.is_finite(), "roughness", roughness, "zero or positive")?;
         }
         for (_, condition) in self.fluid.iter().flat_map(|fluid| &fluid.boundary) {
-            if let FluidBoundary::Symmetry { normal } | FluidBoundary::Parallel { normal } = condition {
+            if let FluidBoundary::Symmetry { normal } | FluidBoundary::Parallel { normal, .. } = condition {
                 let (length, is_unit) = (normal.norm(), (normal.norm() - 1.0).abs() < 1e-9);
                 mesh::require(is_unit, "length of the normal of a symmetry or flow", length, "one")?;
             }

@@ -42,10 +42,14 @@ pub(crate) fn print_or_ignore(line: &str) {
     _ = print(line);
 }
 
-/// Returns the line that is printed before meshes are built, with the size of the background.
+/// Returns the line that is printed before meshes are built, with the number of cells of the background, and that of
+/// the body with most cells if it is large.
 pub(crate) fn building(file: &ScenarioFile) -> String {
-    let expected = expected_cells(file).map(|n| format!(", about {n:.1e} cells in the background"));
-    format!("building meshes and the first cut{}", expected.unwrap_or_default())
+    const LARGE: f64 = 1e5;
+    let [of_background, of_body] = expected_cells(file);
+    let of_background = of_background.map(|n| format!(", about {n:.1e} cells in the background"));
+    let of_body = of_body.filter(|n| *n > LARGE).map(|n| format!(", about {n:.1e} cells in a body"));
+    format!("building meshes and the first cut{}{}", of_background.unwrap_or_default(), of_body.unwrap_or_default())
 }
 
 /// Prints a line to the standard error, if it is open.

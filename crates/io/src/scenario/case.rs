@@ -13,6 +13,7 @@ use super::contact::ContactBuilder;
 use super::error::ScenarioError;
 use super::file::{Scenario, ScenarioFile};
 use super::fluid::fluid;
+use super::geometry;
 use super::key::{Quantity, missing};
 use super::placement::{check_contacts, check_placement, check_repeated, check_surfaces};
 use super::probe::{ProbeChoice, probes};
@@ -62,14 +63,20 @@ pub fn lower<V: CaseVisitor>(file: &ScenarioFile, visitor: V) -> Result<V::Outpu
     }
 }
 
-/// Estimates the number of cells of the background without a mesh. Returns `None` if there is no background, or it is
-/// read from a file.
-pub fn expected_cells(file: &ScenarioFile) -> Option<f64> {
-    let (scenario, bodies) = (file.scenario(), file.scenario().bodies());
-    let background = scenario.background.as_ref()?;
-    match scenario.dimension {
-        2 => expected::<2>(background, &bodies),
-        _ => expected::<3>(background, &bodies),
+/// Estimates the numbers of cells without a mesh: those of the background, and those of the body that has most of them.
+/// `None` where there is none, or its mesh is read from a file.
+pub fn expected_cells(file: &ScenarioFile) -> [Option<f64>; 2] {
+    fn of<const D: usize>(scenario: &Scenario) -> [Option<f64>; 2] {
+        let bodies = scenario.bodies();
+        let of_bodies = bodies.iter().filter_map(|given| Some(geometry::expected_cells::<D>(&given.shape)?.0));
+        [
+            scenario.background.as_ref().and_then(|background| expected::<D>(background, &bodies)),
+            of_bodies.reduce(f64::max),
+        ]
+    }
+    match file.scenario().dimension {
+        2 => of::<2>(file.scenario()),
+        _ => of::<3>(file.scenario()),
     }
 }
 

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use mesh::{Aabb, Point, SimplexMesh, Tag, Vector, unit_vector};
-use solver::FluidBoundary;
 use solver::body::TimeField;
+use solver::{FluidBoundary, TractionField};
 
 use super::error::ScenarioError;
 use super::field::{Field, FieldFormula};
@@ -23,8 +23,11 @@ choices! {
             /// Normal of the plane; that of the facets if left out.
             normal: Option<Components<f64>>,
         },
-        /// Flow across a plane part and not along it, without traction across it: the end of a long channel.
-        Parallel = "parallel",
+        /// Flow across a plane part and not along it: the end of a long channel.
+        Parallel = "parallel" {
+            /// Pressure of the fluid on the part, where it flows in and where it flows out; zero if left out.
+            pressure: Option<At<FieldFormula>> [unit(Quantity::PRESSURE)],
+        },
         /// No traction. Where fluid flows in, the traction is `ρ (u·n) u/2`, so that the inflow brings no energy.
         Free = "free",
         /// Given velocity.
@@ -99,6 +102,10 @@ pub(super) fn fluid_boundary<const D: usize>(
     times: [f64; 2],
 ) -> Result<FluidBoundary<D>, ScenarioError> {
     let points = || tagged_vertices(background, tag);
+    let traction_of = |pressure: &At<FieldFormula>| -> Result<TractionField<D>, ScenarioError> {
+        let p = pressure.over_time(&pressure.at, &points(), &times)?;
+        Ok(Arc::new(move |x, n, t| n * -p(x, t)))
+    };
     Ok(match &**condition {
         FluidCondition::NoSlip => FluidBoundary::NoSlip,
         FluidCondition::Symmetry { normal } => {
@@ -111,9 +118,10 @@ pub(super) fn fluid_boundary<const D: usize>(
             }
             FluidBoundary::Symmetry { normal: unsigned(normal) }
         }
-        FluidCondition::Parallel => {
-            FluidBoundary::Parallel { normal: unsigned(plane_normal(&condition.at, background, tag, None)?) }
-        }
+        FluidCondition::Parallel { pressure } => FluidBoundary::Parallel {
+            normal: unsigned(plane_normal(&condition.at, background, tag, None)?),
+            traction: pressure.as_ref().map(traction_of).transpose()?,
+        },
         FluidCondition::Free => FluidBoundary::Open { traction: None, backflow: true },
         FluidCondition::Velocity { value } => FluidBoundary::Velocity(value.over_time(&points(), &times)?),
         FluidCondition::Inflow { profile: InflowProfile::Parabolic, maximum, ramp } => {
@@ -132,8 +140,7 @@ pub(super) fn fluid_boundary<const D: usize>(
             FluidBoundary::Open { traction: Some(Arc::new(move |x, _, t| value(x, t))), backflow: true }
         }
         FluidCondition::Pressure { value } => {
-            let p = value.over_time(&value.at, &points(), &times)?;
-            FluidBoundary::Open { traction: Some(Arc::new(move |x, n: &Vector<D>, t| n * -p(x, t))), backflow: true }
+            FluidBoundary::Open { traction: Some(traction_of(value)?), backflow: true }
         }
     })
 }

@@ -304,21 +304,25 @@ const CELLS_IN_SQUARE: f64 = 2.7;
 /// Number of tetrahedra in a cube with sides of the size of a cell.
 const CELLS_IN_CUBE: f64 = 6.0;
 
-/// Checks that there is memory for the cells of a shape whose mesh is always generated. Their number is estimated from
-/// the area or volume.
-fn check_memory<const D: usize>(shape: &At<Shape>) -> Result<(), ScenarioError> {
+/// Estimates the number of cells of a shape whose mesh is always generated, from its area or volume. Returns also the
+/// key that decides it; `None` for other shapes.
+pub(super) fn expected_cells<const D: usize>(shape: &Shape) -> Option<(f64, &'static str)> {
     let per_measure = |size: f64| if D == 2 { CELLS_IN_SQUARE } else { CELLS_IN_CUBE } / size.powi(D as i32);
     let measure_of_ball = |radius: f64| if D == 2 { PI * radius.powi(2) } else { 4.0 / 3.0 * PI * radius.powi(3) };
-    let (n_cells, key) = match &**shape {
-        Shape::Ball { radius, size, .. } => (measure_of_ball(*radius) * per_measure(*size), "size"),
-        Shape::HalfBall { radius, size, .. } => (0.5 * measure_of_ball(*radius) * per_measure(*size), "size"),
-        Shape::Box { n: Some(n), .. } => (n.iter().map(|n| *n as f64).product(), "n"),
+    match shape {
+        Shape::Ball { radius, size, .. } => Some((measure_of_ball(*radius) * per_measure(*size), "size")),
+        Shape::HalfBall { radius, size, .. } => Some((0.5 * measure_of_ball(*radius) * per_measure(*size), "size")),
+        Shape::Box { n: Some(n), .. } => Some((n.iter().map(|n| *n as f64).product(), "n")),
         Shape::Box { min, max, size: Some(size), .. } => {
-            ((max.vector::<D>() - min.vector::<D>()).product().abs() * per_measure(*size), "size")
+            Some(((max.vector::<D>() - min.vector::<D>()).product().abs() * per_measure(*size), "size"))
         }
-        _ => return Ok(()),
-    };
-    refuse_shortage(&shape.at.part(key), n_cells)
+        _ => None,
+    }
+}
+
+/// Checks that there is memory for the cells of a shape whose mesh is always generated.
+fn check_memory<const D: usize>(shape: &At<Shape>) -> Result<(), ScenarioError> {
+    expected_cells::<D>(shape).map_or(Ok(()), |(n_cells, key)| refuse_shortage(&shape.at.part(key), n_cells))
 }
 
 fn refuse_shortage(at: &Location, n_cells: f64) -> Result<(), ScenarioError> {

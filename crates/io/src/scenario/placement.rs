@@ -188,6 +188,10 @@ pub(super) fn check_repeated<const D: usize>(
 /// Largest depth behind an obstacle that is round-off, relative to the contact size.
 const TOUCHING: f64 = 1e-6;
 
+/// Depth of the points inside of a body that are compared with another one, relative to the contact size. All vertices
+/// of a body may lie on the surface of another one that covers it.
+const INSIDE: f64 = 1e-3;
+
 /// Checks that no body begins behind the obstacle of one of its contacts. `of_contacts` has the table of each contact.
 pub(super) fn check_contacts<const D: usize>(
     of_contacts: &[&At<ContactKeys>],
@@ -201,17 +205,21 @@ pub(super) fn check_contacts<const D: usize>(
     let boxes: Vec<_> = positions.iter().map(Aabb::of_points).collect();
     for (given, contact) in of_contacts.iter().zip(&setup.contacts) {
         let slave = contact.body().index();
-        let behind = |body: usize, points: &[Point<D>]| {
+        let behind = |body: usize, other: usize| {
             let surface = setup.bodies[body].surface();
+            let of_other = Placed::new(setup.bodies[other].surface(), &positions[other]);
+            let inside = |facet| of_other.facet_middle(facet) - INSIDE * given.size * of_other.facet_normal(facet);
+            let points: Vec<_> =
+                of_other.boundary().facets().map(inside).chain(positions[other].iter().copied()).collect();
             let obstacle = DeformableObstacle::new(surface.clone(), surface.facets().collect());
-            obstacle.map(|obstacle| depth(&obstacle, &positions[body], points)).map_err(|error| given.at.error(error))
+            obstacle.map(|obstacle| depth(&obstacle, &positions[body], &points)).map_err(|error| given.at.error(error))
         };
         let deepest = match contact.master().map(BodyId::index) {
             None => depth(contact.obstacle(), &[], &positions[slave]),
             // A body has gaps to itself only where it is deformed.
             Some(master) if master == slave => continue,
             Some(master) if !boxes[master].overlaps(&boxes[slave]) => continue,
-            Some(master) => behind(master, &positions[slave])?.max(behind(slave, &positions[master])?),
+            Some(master) => behind(master, slave)?.max(behind(slave, master)?),
         };
         if deepest > TOUCHING * given.size {
             let name = setup.bodies[slave].name();

@@ -48,7 +48,7 @@ fn with_disk(turn: Tensor<2>, scheme: Arc<dyn TimeScheme>) -> State<2> {
     let normal = |axis| turn * V::ith(axis, 1.0);
     on_sides(&mut setup, &["left"], || FluidBoundary::Symmetry { normal: -normal(0) });
     on_sides(&mut setup, &["bottom"], || FluidBoundary::Symmetry { normal: normal(1) });
-    on_sides(&mut setup, &["right"], || FluidBoundary::Parallel { normal: normal(0) });
+    on_sides(&mut setup, &["right"], || FluidBoundary::Parallel { normal: normal(0), traction: None });
     on_sides(&mut setup, &["top"], || FluidBoundary::Velocity(Arc::new(move |_, t| turn * V::new(t, 0.0))));
     let disk = disk([0.6, 0.7], 0.35, 0.15);
     let gravity = turn * V::new(0.4, -1.0);
@@ -93,6 +93,33 @@ fn a_turned_problem_has_the_turned_solution() {
         assert!(on(0, 0.0).iter().all(|u| u[0].abs() < 1e-14) && on(0, 0.0).iter().any(|u| u[1].abs() > 1e-3));
         assert!(on(1, 0.0).iter().all(|u| u[1].abs() < 1e-14) && on(1, 0.0).iter().any(|u| u[0].abs() > 1e-3));
         assert!(on(0, 2.0).iter().all(|u| u[1].abs() < 1e-14) && on(0, 2.0).iter().any(|u| u[0].abs() > 1e-3));
+    }
+}
+
+#[test]
+fn a_difference_of_pressure_accelerates_the_fluid_between_planes_of_symmetry() {
+    // ρ du/dt = (3 - 1)/2 along a channel of the length 2, and no traction for the kinetic energy that flows in.
+    let (density, gain) = (1.2, 1.0);
+    for angle in [0.0, 0.6] {
+        let turn = Rotation2::new(angle).into_inner();
+        let background = graded_box::<2>([0.0, 0.0], [2.0, 1.5], &Size::uniform(0.4)).expect("a box");
+        let mut setup = setup(fluid(turned(&background, turn), density, 0.1), 0.02);
+        let [along, across] = [0, 1].map(|axis| turn * V::ith(axis, 1.0));
+        on_sides(&mut setup, &["bottom", "top"], || FluidBoundary::Symmetry { normal: across });
+        for (side, pressure) in [("left", 3.0), ("right", 1.0)] {
+            on_sides(&mut setup, &[side], || FluidBoundary::Parallel {
+                normal: along,
+                traction: Some(Arc::new(move |_, n, t| n * -(pressure + t))),
+            });
+        }
+        let (state, reports) = run(&setup, 4);
+        check_ledgers(&reports);
+        let speed = gain / density * 0.08;
+        assert!(
+            wet(&state).velocity.iter().all(|u| (u - along * speed).norm() < SAME),
+            "{:?}",
+            wet(&state).velocity[0]
+        );
     }
 }
 

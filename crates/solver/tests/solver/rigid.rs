@@ -185,8 +185,24 @@ fn a_body_that_does_not_fit_between_its_obstacles_is_an_error_with_a_remedy() {
         panic!("the planes are 0.85 apart, and the brick is 1 high")
     };
     assert!(matches!(error.source, Error::Multipliers { contact: 0, .. }), "{error:?}");
-    assert!(error.source.to_string().contains("take a larger parameter of its law"));
+    assert!(error.source.to_string().contains("check that the body fits between its obstacles"), "{error:?}");
     assert!(error.source.newton_report().is_some_and(|report| report.iterations > 200));
+}
+
+#[test]
+fn a_parameter_that_is_too_small_is_an_error_with_a_larger_one() {
+    let brick = structured_box::<2>([0.0, -0.01], [3.0, 0.99], [3, 1]).expect("a box");
+    let mut setup = dry(vec![Arc::new(rigid("brick", &brick, 2.0, V::zeros()))], 0.01);
+    setup.newton = NewtonSettings::new(1e-9);
+    setup.contacts.push(augmented(&setup.bodies, 0, (100.0, 0.0, 0.0), ground()));
+    let state = State::initial(&setup).expect("bodies");
+    let failed = advance(&setup, &state, Substep::whole(0.01), &mut Workspace::new()).expect_err("a soft contact");
+    let Error::Multipliers { ratio, .. } = failed.source else { panic!("{failed:?}") };
+    // The mass is 6: K = 6/0.01². The stiffness of the contact is 100 times its length, 3; the remedy is 100 K.
+    let stiffness = 6.0 / 0.01_f64.powi(2);
+    let expected = stiffness / (stiffness + 300.0);
+    assert!((ratio - expected).abs() < 1e-3 * (1.0 - expected), "{ratio} {expected}");
+    assert!(failed.source.to_string().contains("about 2e4 times as large"), "{failed:?}");
 }
 
 /// Linear solver that fails after some solves.
