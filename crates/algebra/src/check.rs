@@ -4,6 +4,11 @@ use std::collections::BTreeSet;
 
 use crate::{Contributions, DofId, LocalSystem};
 
+/// Returns the larger deviation; NaN is treated as infinite.
+pub fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
+}
+
 /// The entry of a tangent that deviates most from its finite difference.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TangentDeviation {

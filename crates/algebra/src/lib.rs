@@ -67,7 +67,7 @@ pub mod time;
 mod workspace;
 
 pub use block_system::{BlockSystem, ContributionTiming};
-pub use check::{TangentDeviation, check_tangent, worst_tangent_entry};
+pub use check::{TangentDeviation, check_tangent, worse, worst_tangent_entry};
 pub use constraints::Constraints;
 pub use contributions::Contributions;
 pub use forcing::Forcing;

@@ -100,6 +100,8 @@ struct Item<const D: usize> {
     masters: Vec<(VertexId, Option<usize>)>,
     /// Dofs, each once: those of slave, master and stress.
     dofs: Vec<DofId>,
+    /// Whether each point of each segment is past the end of the obstacle at the start of the step.
+    is_past_end: Vec<bool>,
     /// Gap at the start of the step at each point of each segment, infinite without an obstacle in reach; only for the
     /// discrete gradient of a law with energy.
     begin_gaps: Vec<f64>,
@@ -190,12 +192,25 @@ impl<const D: usize> ContactItems<D> {
                 let found = obstacle.project(&point, Positions::Fixed(positions), &candidates);
                 found.map_or(f64::INFINITY, |projection| projection.gap(&point))
             };
-            let points = placed.facet_points(facet);
-            let at = |shape: &[f64; D]| begin_gap((0..D).map(|k| points[k] * shape[k]).sum());
+            let corners = placed.facet_points(facet);
+            let at = |shape: [f64; D]| (0..D).map(|k| corners[k] * shape[k]).sum::<Point<D>>();
             let shapes = segments.iter().flat_map(|s| pair.form.rule.points().iter().map(|point| s.at(point)));
-            let begin_gaps = if is_gradient { shapes.map(|shape| at(&shape)).collect() } else { Vec::new() };
-            let multipliers = Vec::new();
-            items.push(Item { number, facet, measure, candidates, segments, masters, dofs, begin_gaps, multipliers });
+            let points: Vec<Point<D>> = shapes.map(at).collect();
+            let is_past_end = |x| obstacle.is_past_end(x, Positions::Fixed(positions), &candidates);
+            let is_past_end = points.iter().map(is_past_end).collect();
+            let begin_gaps = if is_gradient { points.into_iter().map(begin_gap).collect() } else { Vec::new() };
+            items.push(Item {
+                number,
+                facet,
+                measure,
+                candidates,
+                segments,
+                masters,
+                dofs,
+                is_past_end,
+                begin_gaps,
+                multipliers: Vec::new(),
+            });
         }
         Self { items, is_searched }
     }
@@ -294,6 +309,10 @@ impl<const D: usize> ContactSites<'_, D> {
         for (s, segment) in item.segments.iter().enumerate() {
             let measure = segment.share * item.measure;
             for (q, (point, weight)) in rule.points().iter().zip(rule.weights()).enumerate() {
+                site.number = s * rule.weights().len() + q;
+                if item.is_past_end[site.number] {
+                    continue;
+                }
                 let shape = segment.at(point);
                 let (mut position, mut start) = (Point::zeros(), Point::zeros());
                 for k in 0..D {
@@ -301,7 +320,6 @@ impl<const D: usize> ContactSites<'_, D> {
                     position += points[k] * shape[k];
                     start += at_start[k] * shape[k];
                 }
-                site.number = s * rule.weights().len() + q;
                 site.weight = weight * measure * coordinates.weight(&start);
                 if self.evaluate(item, &position, x, &mut site) {
                     visit(&mut site);

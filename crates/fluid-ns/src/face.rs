@@ -2,9 +2,10 @@
 
 use algebra::{Contributions, DofId, LocalSystem, powers};
 use cutcell::PartId;
-use mesh::Vector;
+use mesh::{Vector, mean};
 use xfem_space::FaceValue;
 
+use crate::terms::BodyForce;
 use crate::{FilmValues, FluidFields, FluidGeometry};
 
 /// A face with the known velocity on it.
@@ -39,11 +40,17 @@ impl<'a, const D: usize> FluidFace<'a, D> {
 ///
 /// One item per face and component (velocity components, then pressure), so that the pattern holds no couplings that
 /// are always zero.
+///
+/// On a plane of symmetry the jump of the pressure is that of `∇p - f` with the body force `f`, since `∂p/∂n = f·n` in
+/// fluid at rest there. It is zero for fluid that rests on the plane, and differs from that of `∇p` only if the force
+/// is not symmetric.
 pub struct FluidFaces<'a, const D: usize> {
     fields: FluidFields<'a>,
     geometry: FluidGeometry<'a, D>,
     /// Weights of velocity and pressure, with the measure of the face.
     weights: Vec<[f64; 2]>,
+    /// Jump `2 f·n` of the body force on each face of a plane of symmetry, zero on others; empty without a force.
+    jumps_of_force: Vec<f64>,
 }
 
 impl<'a, const D: usize> FluidFaces<'a, D> {
@@ -57,12 +64,24 @@ impl<'a, const D: usize> FluidFaces<'a, D> {
             let face = FluidFace::new(value, geometry.known_velocity, geometry.films);
             weights(&face).map(|weight| weight * value.weight * value.share)
         };
-        Self { fields, geometry, weights: geometry.faces.iter().map(weights).collect() }
+        let weights = geometry.faces.iter().map(weights).collect();
+        Self { fields, geometry, weights, jumps_of_force: Vec::new() }
+    }
+
+    /// Sets the body force, which acts in the jumps of the pressure on planes of symmetry.
+    pub fn with_force(mut self, force: Option<&BodyForce<'_, D>>) -> Self {
+        let Some(BodyForce { force, time }) = force else { return self };
+        let jump = |value: &FaceValue<D>| {
+            let middle = || mean(&self.geometry.background.facet_points(value.facet)[..D]);
+            value.odd.map_or(0.0, |_| 2.0 * force(&middle(), *time).dot(&value.normal))
+        };
+        self.jumps_of_force = self.geometry.faces.iter().map(jump).collect();
+        self
     }
 }
 
 impl<const D: usize> FluidFaces<'_, D> {
-    /// Returns the powers `c_F |[∇u]n|²_F` and `c_F |[∇p]n|²_F` of the penalties of velocity and pressure.
+    /// Returns the powers `c_F |[∇u]n|²_F` and `c_F ([∇p]n, [∇p]n)_F` of the penalties of velocity and pressure.
     pub fn powers(&self, x: &[f64]) -> [f64; 2] {
         powers(self, x, |item| usize::from(item % (D + 1) == D))
     }
@@ -130,7 +149,8 @@ impl<const D: usize> Contributions for FluidFaces<'_, D> {
         if weight == 0.0 {
             return;
         }
-        let mut jump = 0.0;
+        let of_force = self.jumps_of_force.get(face).filter(|_| component == D);
+        let mut jump = -of_force.copied().unwrap_or(0.0);
         for (&dof, j) in value.dofs().iter().zip(value.jumps()) {
             jump += j * if component < D {
                 self.fields.velocity_at::<D>(x, dof)[component]

@@ -55,6 +55,7 @@ impl<'a, const D: usize> FluidForm<'a, D> {
         convection.extend(self.convection.as_ref());
         convection.extend(self.hoop_convection.as_ref());
         let faces = FluidFaces::new(geometry, fields, |face| self.face_weights(face));
+        let faces = faces.with_force(self.body_force.as_ref());
         let mut all: Vec<Box<dyn Contributions + 'p>> = vec![Box::new(linear), Box::new(convection), Box::new(faces)];
         if let Some(cavitation) = &self.cavitation {
             let cells = FluidCells::with_floor(geometry, fields, cavitation.floor);

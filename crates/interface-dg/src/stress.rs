@@ -11,6 +11,8 @@ use crate::InterfacePoints;
 
 /// A facet is closed in part if pieces cover less than this fraction of it.
 const WET: f64 = 1.0 - 1e-9;
+/// Cosine of the angle between two normals below which surfaces face different ways: 120 degrees.
+const FACES_THE_OTHER_WAY: f64 = -0.5;
 
 /// Mean over each facet of the traction `T^f n` of the fluid in front of a body, `n` out of the body.
 ///
@@ -21,7 +23,9 @@ const WET: f64 = 1.0 - 1e-9;
 /// The surface is *closed* where it borders no fluid: bodies touch or overlap there, or the facet lies outside the
 /// background. The traction on closed parts is `-p n`. The pressure `p` is continued from the middle of the nearest
 /// interface piece of the body as in fluid at rest, `∇p = f` with the force `f` per volume; it is zero if there is no
-/// piece. The model: between rough surfaces in contact there is fluid that is connected to the fluid at the rim.
+/// piece. Pieces that face the other way count only if there are no others: those on the far side of a thin part have
+/// the pressure there. The model: between rough surfaces in contact there is fluid that is connected to the fluid at
+/// the rim.
 ///
 /// Source: Ager, Schott, Vuong, Popp, Wall 2019, doi:10.1002/nme.6094, who continue stresses of the fluid into the
 /// contact zone.
@@ -37,7 +41,7 @@ pub struct FluidStress<'a, const D: usize> {
 /// A facet that is closed in part or as a whole.
 struct ClosedFacet<const D: usize> {
     facet: FacetId,
-    /// Index of the nearest interface piece of the same body.
+    /// Index of the nearest interface piece of the same body that does not face the other way.
     rim: usize,
     /// The middle of this piece.
     middle: Point<D>,
@@ -79,9 +83,13 @@ impl<'a, const D: usize> FluidStress<'a, D> {
         };
         let nearest = |facet: FacetId| {
             let of_facet = surface.facet_middle(facet);
-            let distance = |item: usize| (mean(&pieces[item].points[..D]) - of_facet).norm_squared();
-            let items = self.pieces.iter().map(|(_, item)| *item);
-            let rim = items.min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
+            let normal = surface.facet_normal(facet);
+            let key = |item: usize| {
+                let faces_the_other_way = pieces[item].normal.dot(&normal) < FACES_THE_OTHER_WAY;
+                (faces_the_other_way, (mean(&pieces[item].points[..D]) - of_facet).norm_squared())
+            };
+            let is_before = |a: (bool, f64), b: (bool, f64)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
+            let rim = self.pieces.iter().map(|(_, item)| *item).min_by(|a, b| is_before(key(*a), key(*b)))?;
             let middle = mean(&pieces[rim].points[..D]);
             let shape = geometry.background.simplex(pieces[rim].cell).barycentric(&middle).unwrap_or_default();
             Some(ClosedFacet { facet, rim, middle, body_force: body_force(&middle), shape })
@@ -161,7 +169,11 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
     fn on(&self, facet: FacetId, x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         derivatives.clear();
         let (surface, coordinates) = (self.surface(), self.points.geometry.background.coordinates());
-        let measure = surface.facet_measure(facet) * coordinates.weight(&surface.facet_middle(facet));
+        let measure = surface.weighted_measure(facet);
+        if measure == 0.0 {
+            // A facet on the axis of axisymmetric coordinates.
+            return Vector::zeros();
+        }
         // Share of the facet that is closed, and the barycentric coordinates of its centroid times the share.
         let (mut share, mut moments) = (1.0, shares(coordinates, &surface.facet_points(facet)[..D]));
         let (mut sum, mut of_part) = (Vector::zeros(), Vec::new());
@@ -178,7 +190,7 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
                     * piece.barycentric[..D].iter().zip(&shares).map(|(corner, share)| corner[k] * share).sum::<f64>();
             }
         }
-        if self.rim(facet).is_some() {
+        if self.rim(facet).is_some() && share > 0.0 {
             sum += self.on_closed(facet, &moments.map(|moment| moment / share), x, &mut of_part) * share;
             add_to(derivatives, &mut of_part, share);
         }

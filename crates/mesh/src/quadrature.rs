@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use crate::{MAX_CELL_VERTICES, Point, simplex_measure};
 
 /// Largest degree of the rules of [`SimplexRule::of_degree`].
-const MAX_DEGREE: usize = 4;
+const MAX_DEGREE: usize = 5;
 
 /// A quadrature rule on the reference simplex of dimension 0 to 3, in barycentric coordinates. Weights sum to one.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,9 +17,9 @@ pub struct SimplexRule {
 
 impl SimplexRule {
     /// Returns a rule with positive weights and points inside the simplex of dimension 0 (point) to 3 (tetrahedron),
-    /// exact for polynomials up to `degree` (clamped to 4). Each rule is computed once.
+    /// exact for polynomials up to `degree` (clamped to 5). Each rule is computed once.
     ///
-    /// Sources: Gauss-Legendre; Strang-Fix 1973 (triangle, degree 2 and 4, by orbits); Keast 1986,
+    /// Sources: Gauss-Legendre; Strang-Fix 1973 (triangle, degree 2, 4 and 5, by orbits); Keast 1986,
     /// DOI 10.1016/0045-7825(86)90059-9, and conical products where the tabulated rule has a negative weight.
     pub fn of_degree(dimension: usize, degree: usize) -> &'static Self {
         static RULES: [[OnceLock<SimplexRule>; MAX_DEGREE + 1]; MAX_CELL_VERTICES] =
@@ -39,6 +39,13 @@ impl SimplexRule {
             (1, 2 | 3) => Self::gauss_segment(2),
             (1, _) => Self::gauss_segment(3),
             (2, 2) => Self::empty(2).orbit([2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0, 0.0], 1.0 / 3.0),
+            (2, 5) => {
+                let root = 15.0_f64.sqrt();
+                let [near, far] = [-root, root].map(|root| ((6.0 + root) / 21.0, (155.0 + root) / 1200.0));
+                let around = |rule: Self, (a, weight): (f64, f64)| rule.orbit([1.0 - 2.0 * a, a, a, 0.0], weight);
+                let third = 1.0 / 3.0;
+                around(around(Self::empty(2).orbit([third, third, third, 0.0], 0.225), near), far)
+            }
             (2, _) => Self::empty(2)
                 .orbit(
                     [1.0 - 2.0 * 0.445_948_490_915_965, 0.445_948_490_915_965, 0.445_948_490_915_965, 0.0],
@@ -133,7 +140,7 @@ impl SimplexRule {
         rule
     }
 
-    /// Returns a conical product of Gauss-Legendre rules on the tetrahedron: positive weights, points inside, degree 4.
+    /// Returns a conical product of Gauss-Legendre rules on the tetrahedron: positive weights, points inside, degree 5.
     fn conical_tetrahedron() -> Self {
         let gauss = gauss_legendre(4);
         let mut rule = Self::empty(3);
@@ -247,7 +254,7 @@ mod tests {
     #[test]
     fn rules_are_exact_to_their_degree() {
         for dimension in 1..=3 {
-            for degree in 1..=4 {
+            for degree in 1..=MAX_DEGREE {
                 check_rule(SimplexRule::of_degree(dimension, degree), degree);
             }
         }

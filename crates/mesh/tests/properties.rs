@@ -9,7 +9,7 @@ use common::{assert_sound, smallest_angle, volume};
 use mesh::generate::{
     BallOptions, Region, RegionShape, Size, ball, graded_box, half_ball, mirrored, refined_box, structured_box,
 };
-use mesh::search::{Feature, SurfaceIndex};
+use mesh::search::{Feature, SurfaceIndex, facet_distance};
 use mesh::{Aabb, BoundaryMesh, CellId, Error, FacetId, Placed, Point, SimplexMesh, VertexId};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -461,6 +461,56 @@ fn vertices_are_located_in_their_lowest_cell() {
     }
     assert!(index.locate(&Point::<2>::new(1.1, 0.5)).is_none());
     assert!(index.locate(&Point::<2>::new(f64::NAN, 0.5)).is_none());
+}
+
+/// Checks the distance of two facets, on either side of a plane, by the distances of points in them.
+fn distance_agrees_with_points<const D: usize>(numbers: &[f64]) {
+    let corner = |k: usize, side: f64| {
+        let mut x = Point::<D>::from_fn(|axis, _| numbers[k * D + axis]);
+        x[D - 1] = side * (0.01 + x[D - 1].abs());
+        x
+    };
+    let a: Vec<_> = (0..D).map(|k| corner(k, 1.0)).collect();
+    let b: Vec<_> = (D..2 * D).map(|k| corner(k, -1.0)).collect();
+    const N: usize = 24;
+    let points = |facet: &[Point<D>]| {
+        let mut points = Vec::new();
+        for i in 0..=N {
+            for j in 0..=(if D == 3 { N - i } else { 0 }) {
+                let [s, t] = [i, j].map(|k| k as f64 / N as f64);
+                points.push(facet[0] * (1.0 - s - t) + facet[1] * s + facet[D - 1] * t);
+            }
+        }
+        points
+    };
+    let (of_a, of_b) = (points(&a), points(&b));
+    let smallest = of_a.iter().flat_map(|x| of_b.iter().map(move |y| (x - y).norm())).fold(f64::INFINITY, f64::min);
+    let distance = facet_distance(&a, &b);
+    let longest = [&a, &b].iter().flat_map(|f| f.iter().map(|x| (x - f[0]).norm())).fold(0.0, f64::max);
+    assert!(distance <= smallest + 1e-12 && distance > smallest - 4.0 * longest / N as f64, "{distance} {smallest}");
+}
+
+proptest! {
+    #![proptest_config(few_cases(200))]
+
+    #[test]
+    fn distances_of_facets(numbers in prop::collection::vec(-1.0..1.0_f64, 18)) {
+        distance_agrees_with_points::<2>(&numbers);
+        distance_agrees_with_points::<3>(&numbers);
+    }
+}
+
+#[test]
+fn edges_that_pass_each_other_have_their_distance() {
+    let a = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 5.0]].map(Point::<3>::from);
+    let b = [[0.0, -1.0, -0.1], [0.0, 1.0, -0.1], [0.0, 0.0, -5.0]].map(Point::<3>::from);
+    assert!((facet_distance(&a, &b) - 0.1).abs() < 1e-15);
+    // A facet through the middle of another one.
+    let through = [[0.1, 0.0, 9.0], [0.1, 0.0, -3.0], [9.0, 0.0, -3.0]].map(Point::<3>::from);
+    let flat = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]].map(Point::<3>::from);
+    assert!(facet_distance(&through, &flat) < 1e-15 && facet_distance(&flat, &through) < 1e-15);
+    let [left, right] = [[[0.0, 0.0], [4.0, 1.0]], [[2.0, -3.0], [2.1, 5.0]]].map(|x| x.map(Point::<2>::from));
+    assert!(facet_distance(&left, &right) < 1e-15);
 }
 
 #[test]

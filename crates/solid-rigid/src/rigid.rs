@@ -219,7 +219,11 @@ impl<const D: usize> Body<D> for RigidBody<D> {
             mass,
             centre_of_mass: motion.centre,
             momentum: motion.velocity * mass,
-            momentum_rate: motion.acceleration * mass,
+            momentum_rate: if state.level.acceleration.is_empty() {
+                Vector::zeros()
+            } else {
+                motion.acceleration * mass
+            },
             body_force: self.gravity * mass,
             volume: Placed::new(&self.boundary, &self.reference).enclosed().volume,
             smallest_volume_ratio: 1.0,

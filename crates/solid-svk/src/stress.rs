@@ -36,7 +36,9 @@ impl<const D: usize> SolidStress<'_, D> {
         let deformation = point.deformation(&displacement[..nodes.len()]);
         let normal = solid.placed(solid.nodes()).facet_normal(facet);
         let measure = |positions| solid.placed(positions).weighted_measure(facet);
-        let ratio = measure(solid.nodes()) / measure(self.positions);
+        let at_positions = measure(self.positions);
+        // A facet on the axis of axisymmetric coordinates has no area.
+        let ratio = if at_positions > 0.0 { measure(solid.nodes()) / at_positions } else { 0.0 };
         let material = self.materials[solid.group(cell)].as_ref();
         for (k, (node, g)) in nodes.iter().zip(point.gradients).enumerate() {
             for (b, dof) in layout.node(velocity, node.index()).enumerate() {
@@ -96,7 +98,8 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
     fn trace_bound(&self, facet: FacetId) -> f64 {
         let Some(cell) = self.cell(facet) else { return 0.0 };
         let solid = self.cells.solid;
-        let trace = self.trace_factor() * solid.surface_measure(cell) / solid.volume(cell);
+        let volume: f64 = solid.points(cell).map(|point| point.weight).sum();
+        let trace = self.trace_factor() * solid.surface_measure(cell) / volume;
         self.cells.rule.displacement.slope * self.stiffness_along_normal(facet, cell) * trace
     }
 

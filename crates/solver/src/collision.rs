@@ -10,7 +10,8 @@ use crate::contact_step::StepRefs;
 use crate::setup::Contact;
 use crate::{Setup, State};
 
-/// Penalty weight relative to mass/Δt; its inverse is about the relative error of the velocity.
+/// Penalty weight relative to mass/Δt, with the smaller mass of two bodies; its inverse is about the relative error of
+/// the velocity.
 const STIFFNESS: f64 = 1e8;
 
 /// Smallest excess of a point that acts, with a negative sign, at which the point is released, relative to the largest
@@ -89,9 +90,11 @@ impl<const D: usize> Collision<D> {
                 points.push(point);
             }
         }
-        let bodies = [Some(contact.body()), contact.master()].into_iter().flatten();
-        let balance = |id: BodyId| setup.bodies[id.index()].balance(&previous.bodies[id.index()]);
-        let mass = bodies.filter_map(balance).map(|balance| balance.mass).fold(0.0, f64::max);
+        // With the larger mass, a pull that turns the lighter body around would be below the tolerance.
+        let bodies = [Some(contact.body()), contact.master()].into_iter().flatten().map(BodyId::index);
+        let of_movable = bodies.filter(|&body| setup.bodies[body].is_movable());
+        let mass = of_movable.filter_map(|body| Some(setup.bodies[body].balance(&previous.bodies[body])?.mass));
+        let mass = mass.fold(f64::INFINITY, f64::min);
         (!points.is_empty()).then(|| Self { points, fastest, weight: STIFFNESS * mass / refs.time.length })
     }
 
@@ -159,7 +162,11 @@ fn touching<const D: usize>(
         let near = candidates.as_ref().map_or(&[][..], |of_facets| &of_facets[index]);
         for &vertex in slave.facet(facet) {
             let x: Point<D> = own[vertex.index()];
-            let Some(found) = contact.obstacle().project(&x, Positions::Fixed(&opposite), near) else { continue };
+            let at = Positions::Fixed(&opposite[..]);
+            let Some(found) = contact.obstacle().project(&x, at, near) else { continue };
+            if contact.obstacle().is_past_end(&x, at, near) {
+                continue;
+            }
             let gap = found.gap(&x);
             let at = ContactPoint { gap, size: contact.form().size(), ..ContactPoint::default() };
             if law.is_active(&at) && touching.get(&vertex).is_none_or(|other| gap < other.gap(&x)) {

@@ -86,7 +86,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         check_domain(setup, fluid.background.vertices(), &positions)?;
         let background = &fluid.background;
         let clock = Instant::now();
-        let cut = overlay(setup, fluid, &positions)?;
+        let cut = overlay(setup, fluid, &positions, time.stage())?;
         let seconds_cut = clock.elapsed().as_secs_f64();
         let space = XfemSpace::new(background, &cut);
         let clock = Instant::now();
@@ -327,7 +327,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
     }
 }
 
-/// Returns an error if a movable body has left the bounding box of the background, where nothing can stop it.
+/// Returns an error if a movable body has left the bounding box of the background, where nothing can stop it. A body
+/// that is larger than the background may have no vertex in it.
 fn check_domain<const D: usize>(
     setup: &Setup<D>,
     background: &[Point<D>],
@@ -335,7 +336,7 @@ fn check_domain<const D: usize>(
 ) -> Result<(), Error> {
     let bounds = Aabb::of_points(background);
     for (body, positions) in setup.bodies.iter().zip(positions) {
-        if body.is_movable() && !positions.iter().any(|x| bounds.contains(x)) {
+        if body.is_movable() && !Aabb::of_points(positions).overlaps(&bounds) {
             return Err(Error::LeftDomain { body: body.name().to_owned() });
         }
     }

@@ -205,10 +205,9 @@ impl<const D: usize> Problem<'_, D> {
         // A run may begin in contact: bodies that do not move keep the positions at which contact acts.
         let rest = vec![0.0; x.len()];
         let of_start = |sites: &ContactSites<'_, D>| sites.stored_energy(&rest);
-        let contact_before = match before.step {
-            0 => self.contacts.iter().map(of_start).sum(),
-            _ => before.contact_energy,
-        };
+        // The first step may be divided: its parts have its number.
+        let is_first = before.time == 0.0;
+        let contact_before = if is_first { self.contacts.iter().map(of_start).sum() } else { before.contact_energy };
         let contact = by_laws + step.collisions.iter().flatten().map(|collision| work(collision)).sum::<f64>();
         let by_collisions: f64 = step.collisions.iter().flatten().map(|collision| collision.given_power(x)).sum();
         let by_given_motion =
@@ -238,8 +237,8 @@ impl<const D: usize> FluidStep<'_, D> {
         ledger.fluid_force = form.body_force.as_ref().map_or(0.0, |term| cells(term));
         ledger.film = form.film.as_ref().map_or(0.0, |term| cells(term));
         ledger.cavitation = form.cavitation.as_ref().map_or(0.0, |term| cells(term));
-        [ledger.cip_velocity, ledger.cip_pressure] =
-            FluidFaces::new(geometry, fields, of_cip).powers(x).map(|power| dt * power);
+        let cip = FluidFaces::new(geometry, fields, of_cip).with_force(form.body_force.as_ref());
+        [ledger.cip_velocity, ledger.cip_pressure] = cip.powers(x).map(|power| dt * power);
         ledger.ghost_penalty = dt * FluidFaces::new(geometry, fields, of_ghost).powers(x)[0];
         let open = self.open_terms(layout).iter().map(|terms| dt * power(terms.as_ref(), x)).sum::<f64>();
         ledger.backflow = dt * self.backflow_power(layout, x);

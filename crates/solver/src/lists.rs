@@ -99,7 +99,7 @@ impl<'a> Lists<'a> {
         let positions: Vec<Vec<Point<D>>> = bodies
             .map(|body| self.vectors("positions at the cut", body.reference().len()))
             .collect::<Result<_, _>>()?;
-        let cut = overlay(setup, fluid, &positions)?;
+        let cut = overlay(setup, fluid, &positions, numbers[0])?;
         let space = XfemSpace::new(&fluid.background, &cut);
         let (mut of_dofs, n) = (Lists(of_dofs), space.len());
         let velocity = of_dofs.vectors("velocities of the fluid", n)?;

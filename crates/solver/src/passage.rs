@@ -70,6 +70,9 @@ fn passes<const D: usize>(
     project: impl Fn(&Point<D>) -> Option<Projection<D>>,
 ) -> bool {
     let length = path.norm();
+    if length <= size {
+        return false;
+    }
     let (mut along, mut found) = (0.0, at_start);
     let at = |along: f64| start + path * (along / length);
     for point in 0..MOST_POINTS {

@@ -62,7 +62,7 @@ impl<const D: usize> State<D> {
         let mut state = Self { step: 0, time: 0.0, fluid: None, bodies, contact_energy: 0.0 };
         if let Some(fluid) = &setup.fluid {
             let positions = setup.positions(&state.bodies);
-            let cut = overlay(setup, fluid, &positions).map_err(|source| StepError::at(0, 0.0, source))?;
+            let cut = overlay(setup, fluid, &positions, 0.0).map_err(|source| StepError::at(0, 0.0, source))?;
             let space = XfemSpace::new(&fluid.background, &cut);
             let at_start = |x: &Point<D>| fluid.initial_velocity.as_ref().map_or(Vector::zeros(), |field| field(x));
             let velocity: Vec<_> = space.vertices().iter().map(|&v| at_start(&fluid.background.vertex(v))).collect();

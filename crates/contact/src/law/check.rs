@@ -1,5 +1,7 @@
 //! Consistency of a contact law with itself.
 
+use algebra::worse;
+
 use super::{ContactLaw, ContactPoint, ContactTraction};
 
 /// Deviations found by [`check_law`], relative to the largest traction; all of them should be small.
@@ -21,7 +23,7 @@ pub struct LawCheck {
 impl LawCheck {
     /// Returns the largest of the deviations.
     pub fn largest(&self) -> f64 {
-        self.tension.max(self.monotonicity).max(self.inactive).max(self.derivative).max(self.energy)
+        [self.monotonicity, self.inactive, self.derivative, self.energy].into_iter().fold(self.tension, worse)
     }
 }
 
@@ -40,17 +42,17 @@ fn moved(at: &ContactPoint, argument: usize, by: f64) -> ContactPoint {
 /// respect to everything that the law may depend on.
 pub fn check_law(law: &dyn ContactLaw, points: &[ContactPoint]) -> LawCheck {
     let normal = |at: &ContactPoint| law.traction(at).value[0];
-    let largest = |values: [f64; 3]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let largest = |values: [f64; 3]| values.iter().fold(0.0_f64, |m, v| worse(m, v.abs()));
     let scale = points.iter().map(|at| largest(law.traction(at).value)).fold(f64::MIN_POSITIVE, f64::max);
     let mut check = LawCheck::default();
     let mut before = f64::NEG_INFINITY;
     for at in points {
         let ContactTraction { value, by_gap, by_slip, by_stress } = law.traction(at);
-        check.tension = check.tension.max(value[0] / scale);
-        check.monotonicity = check.monotonicity.max((before - value[0]) / scale);
+        check.tension = worse(check.tension, value[0] / scale);
+        check.monotonicity = worse(check.monotonicity, (before - value[0]) / scale);
         before = value[0];
         if !law.is_active(at) {
-            check.inactive = check.inactive.max(largest(value) / scale);
+            check.inactive = worse(check.inactive, largest(value) / scale);
         }
         let derivatives = [by_gap, by_slip[0], by_slip[1], by_stress[0], by_stress[1], by_stress[2]];
         for (argument, derivative) in derivatives.iter().enumerate() {
@@ -64,7 +66,7 @@ pub fn check_law(law: &dyn ContactLaw, points: &[ContactPoint]) -> LawCheck {
             let (from, to) = (law.traction(&below).value, law.traction(&above).value);
             for k in 0..3 {
                 let slope = (to[k] - from[k]) / (2.0 * step);
-                check.derivative = check.derivative.max((slope - derivative[k]).abs() * size / scale);
+                check.derivative = worse(check.derivative, (slope - derivative[k]).abs() * size / scale);
             }
         }
         let step = f64::EPSILON.cbrt() * at.size;
@@ -73,14 +75,14 @@ pub fn check_law(law: &dyn ContactLaw, points: &[ContactPoint]) -> LawCheck {
             && let (Some(from), Some(to)) = (law.energy_density(&below), law.energy_density(&above))
         {
             let slope = (to - from) / (2.0 * step);
-            check.energy = check.energy.max((slope - normal(at)).abs() / scale);
+            check.energy = worse(check.energy, (slope - normal(at)).abs() / scale);
             let by_slip = by_slip.iter().map(|column| column[0].abs() * at.size / scale);
             let by_others = by_slip.chain(by_stress.iter().map(|column| column[0].abs()));
-            check.energy = by_others.fold(check.energy, f64::max);
+            check.energy = by_others.fold(check.energy, worse);
             let energy = |argument: usize, by: f64| law.energy_density(&moved(at, argument, by)).unwrap_or(f64::NAN);
             for (argument, size) in [(1, at.size), (2, at.size), (3, scale), (4, scale), (5, scale)] {
                 let change = energy(argument, 0.1 * size) - energy(argument, -0.1 * size);
-                check.energy = check.energy.max(change.abs() / (scale * at.size));
+                check.energy = worse(check.energy, change.abs() / (scale * at.size));
             }
         }
     }
@@ -120,6 +122,41 @@ mod tests {
 
         fn stress(&self) -> StressSource {
             StressSource::Solid
+        }
+    }
+
+    /// A penalty whose traction or energy is not a number at large penetrations.
+    #[derive(Debug)]
+    struct Undefined(PenaltyLaw, bool);
+
+    impl ContactLaw for Undefined {
+        fn traction(&self, at: &ContactPoint) -> ContactTraction {
+            let mut traction = self.0.traction(at);
+            if at.gap < -0.2 && !self.1 {
+                traction.by_gap[0] = f64::NAN;
+            }
+            traction
+        }
+
+        fn is_active(&self, at: &ContactPoint) -> bool {
+            self.0.is_active(at)
+        }
+
+        fn offset(&self) -> f64 {
+            self.0.offset()
+        }
+
+        fn energy_density(&self, at: &ContactPoint) -> Option<f64> {
+            if at.gap < -0.2 && self.1 { Some(f64::NAN) } else { self.0.energy_density(at) }
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_not_defined_are_the_largest_deviation() {
+        let at = |k: i32| ContactPoint { gap: 0.013 * f64::from(k) + 0.001, size: 0.1, ..ContactPoint::default() };
+        for of_energy in [true, false] {
+            let law = Undefined(PenaltyLaw::new(1e3, 0.1).unwrap(), of_energy);
+            assert_eq!(check_law(&law, &(-20..20).map(at).collect::<Vec<_>>()).largest(), f64::INFINITY);
         }
     }
 

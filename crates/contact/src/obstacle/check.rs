@@ -1,5 +1,6 @@
 //! Consistency of an obstacle with itself.
 
+use algebra::worse;
 use mesh::{FacetId, Point, Vector};
 
 use super::Obstacle;
@@ -25,7 +26,9 @@ pub struct ObstacleCheck {
 impl ObstacleCheck {
     /// Returns the largest of the deviations.
     pub fn largest(&self) -> f64 {
-        self.normal.max(self.idempotence).max(self.distance).max(self.gap_derivative).max(self.mean_normal_derivative)
+        [self.idempotence, self.distance, self.gap_derivative, self.mean_normal_derivative]
+            .into_iter()
+            .fold(self.normal, worse)
     }
 }
 
@@ -44,10 +47,10 @@ pub fn check_obstacle<const D: usize>(
     for x in points {
         let Some(found) = project(x) else { continue };
         check.n_projected += 1;
-        check.normal = check.normal.max((found.normal.norm() - 1.0).abs());
-        check.distance = check.distance.max((found.gap(x).abs() - (found.point - x).norm()).abs() / extent);
+        check.normal = worse(check.normal, (found.normal.norm() - 1.0).abs());
+        check.distance = worse(check.distance, (found.gap(x).abs() - (found.point - x).norm()).abs() / extent);
         if let Some(again) = project(&found.point) {
-            check.idempotence = check.idempotence.max((again.point - found.point).norm() / extent);
+            check.idempotence = worse(check.idempotence, (again.point - found.point).norm() / extent);
         }
         for a in 0..D {
             let mut e = Vector::<D>::zeros();
@@ -55,7 +58,7 @@ pub fn check_obstacle<const D: usize>(
             let (ahead, behind) = (x + e, x - e);
             if let (Some(to), Some(from)) = (project(&ahead), project(&behind)) {
                 let slope = (to.gap(&ahead) - from.gap(&behind)) / (2.0 * step);
-                check.gap_derivative = check.gap_derivative.max((slope + found.normal[a]).abs());
+                check.gap_derivative = worse(check.gap_derivative, (slope + found.normal[a]).abs());
                 let slope = (to.normal - from.normal) / (2.0 * step);
                 let deviation = (slope - found.normal_gradient.column(a)).norm() * extent;
                 check.mean_normal_derivative += deviation / (D * points.len()) as f64;

@@ -1,7 +1,7 @@
 //! The moving boundary of another body as an obstacle.
 
-use mesh::search::{Feature, Foot, SurfaceIndex, VertexToFacet};
-use mesh::{Aabb, BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, Tensor, Vector, VertexId};
+use mesh::search::{Feature, Foot, SurfaceIndex, VertexToFacet, facet_distance};
+use mesh::{Aabb, BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, Tensor, Vector, VertexId, facet_normal};
 
 use super::{Anchor, Obstacle, Projection};
 use crate::{Error, Positions};
@@ -20,7 +20,9 @@ const TOUCHING: f64 = 1e-8;
 #[derive(Clone, Debug)]
 pub struct DeformableObstacle<const D: usize> {
     pub(super) boundary: BoundaryMesh<D>,
-    facets: Vec<FacetId>,
+    pub(super) facets: Vec<FacetId>,
+    /// Whether each facet of the boundary can be touched.
+    is_touchable: Vec<bool>,
     vertex_to_facet: VertexToFacet,
 }
 
@@ -36,7 +38,9 @@ impl<const D: usize> DeformableObstacle<D> {
             return Err(Error::UnknownFacet { facet, n_facets });
         }
         let vertex_to_facet = VertexToFacet::new(&boundary);
-        Ok(Self { boundary, facets, vertex_to_facet })
+        let mut is_touchable = vec![false; n_facets];
+        facets.iter().for_each(|facet| is_touchable[facet.index()] = true);
+        Ok(Self { boundary, facets, is_touchable, vertex_to_facet })
     }
 
     /// Builds the search structure of the facets that can be touched. Its facet `k` is `self.facets[k]`.
@@ -46,14 +50,15 @@ impl<const D: usize> DeformableObstacle<D> {
     }
 
     /// Computes [`Obstacle::smallest_gap`] with the search structure at `positions`. Points near the box around the
-    /// obstacle come first. The loop ends when the distance to the box exceeds the smallest gap so far.
+    /// body, in which all negative gaps are, come first. The loop ends when the distance to the box exceeds the
+    /// smallest gap so far.
     pub(super) fn smallest_gap_with(
         &self,
         index: &SurfaceIndex<D>,
         points: &[Point<D>],
         positions: &[Point<D>],
     ) -> Option<f64> {
-        let bounds = bounds(Placed::new(&self.boundary, positions), &self.facets);
+        let bounds = Aabb::of_points(positions);
         let mut points: Vec<_> = points.iter().map(|x| (bounds.squared_distance(x), x)).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut smallest = None;
@@ -61,32 +66,18 @@ impl<const D: usize> DeformableObstacle<D> {
             if smallest.is_some_and(|gap: f64| gap.max(0.0).powi(2) < squared_distance) {
                 break;
             }
-            let gap = self.nearest(index, x, positions).map(|(_, found)| found.gap(x));
+            let gap = self.gap_with(index, x, positions);
             smallest = [smallest, gap].into_iter().flatten().reduce(f64::min);
         }
         smallest
     }
 
-    /// Computes the gap of a point with the search structure at `positions`; `None` if it is negative and the closest
-    /// point lies on the rim of the facets that can be touched, where its sign has no meaning.
+    /// Computes the gap of a point with the search structure at `positions`; `None` if the point is past the end.
     pub(super) fn gap_with(&self, index: &SurfaceIndex<D>, x: &Point<D>, positions: &[Point<D>]) -> Option<f64> {
-        let (closest, projection) = self.nearest(index, x, positions)?;
-        let gap = projection.gap(x);
-        (gap >= 0.0 || self.has_all_facets_around(&closest, &self.facets)).then_some(gap)
-    }
-
-    /// Returns the closest point of all facets that can be touched, and the projection onto it.
-    fn nearest(
-        &self,
-        index: &SurfaceIndex<D>,
-        x: &Point<D>,
-        positions: &[Point<D>],
-    ) -> Option<((FacetId, Foot<D>), Projection<D>)> {
         let (mut near, at) = (Vec::new(), Positions::Fixed(positions));
         self.overlapping(index, &Aabb::of_points([x]).expanded(index.closest(x)?.reach(x)), &mut near);
-        let closest = self.closest(x, at, &near)?;
-        let projection = self.projection(x, &closest, at);
-        Some((closest, projection))
+        let gap = self.project(x, at, &near)?.gap(x);
+        (!self.is_past_end(x, at, &near)).then_some(gap)
     }
 
     /// Computes [`Obstacle::candidates`] with the search structure at the obstacle's positions.
@@ -95,12 +86,18 @@ impl<const D: usize> DeformableObstacle<D> {
         index: &SurfaceIndex<D>,
         slave: Placed<'_, D>,
         facets: &[FacetId],
+        positions: &[Point<D>],
         reach: f64,
     ) -> Vec<Vec<FacetId>> {
         let of_facet = |&facet: &FacetId| {
             let mut near = Vec::new();
-            let region = Aabb::of_points(&slave.facet_points(facet)[..D]).expanded(reach);
-            self.overlapping(index, &region, &mut near);
+            let points = &slave.facet_points(facet)[..D];
+            self.overlapping(index, &Aabb::of_points(points).expanded(reach), &mut near);
+            // A facet whose box alone is near may be the far side of a thin part.
+            near.retain(|&other| {
+                let other = facet_points(self.boundary.facet(other), Positions::Fixed(positions));
+                facet_distance(points, &other[..D]) <= reach
+            });
             near
         };
         facets.iter().map(of_facet).collect()
@@ -147,17 +144,27 @@ impl<const D: usize> DeformableObstacle<D> {
         Projection { point: foot.point, normal, normal_gradient, anchor }
     }
 
-    /// Returns whether `facets` contains all facets around a closest point. Otherwise the gap has no meaningful sign.
-    pub(super) fn has_all_facets_around(&self, (facet, foot): &(FacetId, Foot<D>), facets: &[FacetId]) -> bool {
-        let contains = |facet: &FacetId| facets.contains(facet);
+    /// Returns whether a condition holds for all facets around a closest point.
+    pub(super) fn holds_around(
+        &self,
+        (facet, foot): &(FacetId, Foot<D>),
+        condition: impl Fn(&FacetId) -> bool,
+    ) -> bool {
         match foot.feature(self.boundary.facet(*facet)) {
-            Feature::Facet => contains(facet),
+            Feature::Facet => condition(facet),
             Feature::Edge([a, b]) => {
                 let mut around = self.vertex_to_facet.around(a).iter();
-                around.all(|facet| contains(facet) || !self.boundary.facet(*facet).contains(&b))
+                around.all(|facet| condition(facet) || !self.boundary.facet(*facet).contains(&b))
             }
-            Feature::Vertex(v) => self.vertex_to_facet.around(v).iter().all(contains),
+            Feature::Vertex(v) => self.vertex_to_facet.around(v).iter().all(condition),
         }
+    }
+
+    /// Returns whether a point is over a facet up to round-off, although its closest point is on the rim of the facet.
+    fn is_over_facet(&self, x: &Point<D>, (facet, foot): &(FacetId, Foot<D>), at: Positions<'_, D>) -> bool {
+        let points = facet_points(self.boundary.facet(*facet), at);
+        let (away, normal) = (x - foot.point, facet_normal(&points[..D]));
+        (away - normal * away.dot(&normal)).norm() <= TOUCHING * (points[1] - points[0]).norm()
     }
 
     /// Computes the normal into the obstacle and its derivative at a closest point of a facet.
@@ -189,6 +196,13 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
         self.closest(x, at, candidates).map(|found| self.projection(x, &found, at))
     }
 
+    fn is_past_end(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> bool {
+        let Some(closest) = self.closest(x, at, candidates) else { return false };
+        self.projection(x, &closest, at).gap(x) < 0.0
+            && !self.holds_around(&closest, |facet| self.is_touchable[facet.index()])
+            && !self.is_over_facet(x, &closest, at)
+    }
+
     fn boundary(&self) -> Option<&BoundaryMesh<D>> {
         Some(&self.boundary)
     }
@@ -209,7 +223,7 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
         if !bounds(slave, facets).expanded(reach).overlaps(&bounds(own, &self.facets)) {
             return Some(vec![Vec::new(); facets.len()]);
         }
-        Some(self.candidates_with(&self.index(positions), slave, facets, reach))
+        Some(self.candidates_with(&self.index(positions), slave, facets, positions, reach))
     }
 }
 

@@ -1,6 +1,7 @@
 //! The boundary of a body as an obstacle to itself.
 
-use mesh::{Aabb, BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, facet_normal};
+use mesh::search::facet_distance;
+use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, facet_normal};
 
 use super::{DeformableObstacle, Obstacle, Projection};
 use crate::{Error, Positions};
@@ -8,7 +9,7 @@ use crate::{Error, Positions};
 /// Part of the boundary of a body that acts as an obstacle to the same part.
 ///
 /// A facet may touch another one if
-/// - their boxes are farther apart than the exempt distance in the undeformed body: neighbours along the surface, and
+/// - they are farther apart than the exempt distance in the undeformed body: neighbours along the surface, and
 ///   the two sides of a thin part, are not in contact;
 /// - their normals oppose each other at the start of the step;
 /// - no vertex of one facet is deeper behind the other, at the start of the step, than half of the exempt distance. If
@@ -48,8 +49,8 @@ impl<const D: usize> OwnSurface<D> {
         let boundary = &self.surface.boundary;
         let corners = |positions| [facet, other].map(|facet| Placed::new(boundary, positions).facet_points(facet));
         let undeformed = corners(&self.reference);
-        let [here, there] = undeformed.each_ref().map(|corners| Aabb::of_points(&corners[..D]));
-        if here.distance(&there) <= self.exempt {
+        let [here, there] = undeformed.each_ref().map(|corners| &corners[..D]);
+        if facet_distance(here, there) <= self.exempt {
             return false;
         }
         let (before, now) = (Facing::new(&undeformed), Facing::new(&corners(positions)));
@@ -85,7 +86,7 @@ impl<const D: usize> Obstacle<D> for OwnSurface<D> {
     fn project(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>> {
         let closest = self.surface.closest(x, at, candidates)?;
         let found = self.surface.projection(x, &closest, at);
-        let is_known = found.gap(x) >= 0.0 || self.surface.has_all_facets_around(&closest, candidates);
+        let is_known = found.gap(x) >= 0.0 || self.surface.holds_around(&closest, |facet| candidates.contains(facet));
         is_known.then_some(found)
     }
 

@@ -36,6 +36,10 @@ impl<const D: usize> Obstacle<D> for RigidSurface<D> {
         Some(Projection { anchor: Anchor::Fixed, ..found })
     }
 
+    fn is_past_end(&self, x: &Point<D>, _positions: Positions<'_, D>, candidates: &[FacetId]) -> bool {
+        self.surface.is_past_end(x, Positions::Fixed(&self.positions), candidates)
+    }
+
     fn smallest_gap(&self, points: &[Point<D>], _positions: Positions<'_, D>) -> Option<f64> {
         // A point behind a container or a wall may be far from it, so that the distance orders nothing.
         points.iter().filter_map(|x| self.surface.gap_with(&self.index, x, &self.positions)).reduce(f64::min)
@@ -48,7 +52,7 @@ impl<const D: usize> Obstacle<D> for RigidSurface<D> {
         _positions: &[Point<D>],
         reach: f64,
     ) -> Option<Vec<Vec<FacetId>>> {
-        Some(self.surface.candidates_with(&self.index, slave, facets, reach))
+        Some(self.surface.candidates_with(&self.index, slave, facets, &self.positions, reach))
     }
 }
 
@@ -66,15 +70,32 @@ mod tests {
         RigidSurface::new(surface, facets, square.vertices().to_vec()).expect("facets")
     }
 
-    /// A point far behind a wall has a smaller gap than a near one in front of it. Beyond the ends of the wall gaps
-    /// have no sign.
-    #[test]
-    fn smallest_gap_to_a_wall_is_that_of_the_deepest_point() {
+    /// Returns the lower side of a hollow square.
+    fn floor() -> RigidSurface<2> {
         let square = structured_box([0.0, 0.0], [1.0, 1.0], [3, 3]).expect("a mesh");
         let floor = square.tag("bottom").expect("a side");
         let surface = square.boundary().reversed();
         let facets = surface.facets().filter(|facet| surface.tag(*facet) == Some(floor)).collect();
-        let wall = RigidSurface::<2>::new(surface, facets, square.vertices().to_vec()).expect("facets");
+        RigidSurface::new(surface, facets, square.vertices().to_vec()).expect("facets")
+    }
+
+    #[test]
+    fn points_past_the_ends_of_a_wall_do_not_touch_it() {
+        let is_past_end = |x: [f64; 2]| floor().is_past_end(&x.into(), Positions::Fixed(&[]), &floor().surface.facets);
+        for over in [[0.5, -0.1], [0.5, 0.1], [0.0, -0.1], [1.0, -0.1], [0.9, 0.3]] {
+            assert!(!is_past_end(over), "{over:?}");
+        }
+        // The normal at the corner is the mean of two sides, one of which is not a part of the wall.
+        for past in [[1.1, -0.2], [1.1, 0.02], [-0.1, -0.01]] {
+            assert!(is_past_end(past), "{past:?}");
+        }
+    }
+
+    /// A point far behind a wall has a smaller gap than a near one in front of it. Beyond the ends of the wall gaps
+    /// have no sign.
+    #[test]
+    fn smallest_gap_to_a_wall_is_that_of_the_deepest_point() {
+        let wall = floor();
         let gap = |points: &[[f64; 2]]| {
             let points: Vec<_> = points.iter().map(|x| Point::<2>::from(*x)).collect();
             wall.smallest_gap(&points, Positions::Fixed(&[]))

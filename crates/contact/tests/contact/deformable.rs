@@ -9,7 +9,7 @@ use contact::{
     PenaltyLaw, Positions,
 };
 use mesh::generate::{BallOptions, ball, structured_box};
-use mesh::{FacetId, Point, Vector};
+use mesh::{BoundaryMesh, FacetId, Placed, Point, Vector, VertexId};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::SplitMix64;
 use solid_svk::ElasticBody;
@@ -225,6 +225,29 @@ fn residual_is_the_derivative_of_the_stored_energy() {
         let work: f64 = r.iter().zip(&direction).map(|(r, d)| DT * r * d).sum();
         assert!((slope - work).abs() < 1e-5 * work.abs().max(1e-3), "{slope} {work}");
     });
+}
+
+/// Checks a point half a unit in front of an oblique plate whose far side is one long facet. The box of this facet
+/// contains the point, and boxes of the short facets of the near side do not.
+#[test]
+fn the_far_side_of_a_thin_plate_is_no_candidate() {
+    let across = Vector::<2>::new(-0.1, 0.1) / 2.0_f64.sqrt();
+    let near = (0..=10).rev().map(|k| Point::<2>::repeat(k as f64 / 10.0) + across);
+    let positions: Vec<_> = [Point::<2>::zeros(), Point::<2>::repeat(1.0)].into_iter().chain(near).collect();
+    let n = positions.len();
+    let loop_of = (0..n).flat_map(|k| [VertexId::new(k), VertexId::new((k + 1) % n)]).collect();
+    let boundary = BoundaryMesh::<2>::from_facets(loop_of);
+    assert!(Placed::new(&boundary, &positions).enclosed().volume > 0.0);
+    let plate = DeformableObstacle::new(boundary.clone(), boundary.facets().collect()).unwrap();
+    let slave = BoundaryMesh::<2>::from_facets(vec![VertexId(0), VertexId(1)]);
+    let candidates = |at: [[f64; 2]; 2]| {
+        let at = at.map(Point::<2>::from);
+        plate.candidates(Placed::new(&slave, &at), &[FacetId(0)], &positions, 0.1).unwrap()
+    };
+    assert_eq!(candidates([[0.1, 0.89], [0.11, 0.9]]), [Vec::new()]);
+    let [touching] = &candidates([[0.4, 0.6], [0.45, 0.6]])[..] else { panic!("one facet") };
+    let gap = plate.project(&Point::<2>::new(0.4, 0.6), Positions::Fixed(&positions), touching).unwrap();
+    assert!((gap.gap(&Point::<2>::new(0.4, 0.6)) - (0.2 / 2.0_f64.sqrt() - 0.1)).abs() < 1e-12);
 }
 
 #[test]

@@ -1,10 +1,14 @@
 //! A body in contact with itself.
 
+use std::cell::RefCell;
+use std::f64::consts::FRAC_PI_4;
+
 use algebra::time::ImplicitEuler;
 use algebra::{Contributions, worst_tangent_entry};
 use body::{Body, BodyState};
 use contact::{ContactForm, ContactItems, ContactLaw, ContactSites, NitscheLaw, OwnSurface, PenaltyLaw};
 use mesh::generate::structured_box;
+use mesh::nalgebra::Rotation2;
 use mesh::{CellId, FacetId, Point, SimplexMesh, Vector, VertexId};
 use rand::SeedableRng;
 use rand_xoshiro::SplitMix64;
@@ -35,7 +39,12 @@ fn part_of_square(contains: impl Fn(Point<2>) -> bool) -> ElasticBody<2> {
             VertexId::new(vertices.len() - 1)
         }));
     }
-    let solid = SolidMesh::new(SimplexMesh::new(vertices, cells).unwrap()).unwrap();
+    elastic(SimplexMesh::new(vertices, cells).unwrap())
+}
+
+/// Returns an elastic body of the cells of a mesh.
+fn elastic(mesh: SimplexMesh<2>) -> ElasticBody<2> {
+    let solid = SolidMesh::new(mesh).unwrap();
     let form = SolidForm::new(1.0, SaintVenantKirchhoff::new(soft()), Vector::zeros()).unwrap();
     ElasticBody::new("clamp", solid, form, ElasticOptions::default()).unwrap()
 }
@@ -170,6 +179,29 @@ fn jaws_that_overlap_touch_each_other() {
         assert!((gap - (SLIT - closed)).abs() < 3e-3, "{gap}");
         assert!(report.n_active > 3);
     });
+}
+
+/// Checks that the jaws of a clamp which is turned touch as those of the straight one: the boxes around facets of the
+/// two jaws are closer to each other than the exempt distance, and the facets are not.
+#[test]
+fn contact_does_not_depend_on_the_direction_of_the_axes() {
+    let (closed, exempt) = (0.18, 0.12);
+    let reports = [0.0, FRAC_PI_4].map(|angle| {
+        let turn = Rotation2::new(angle).into_inner();
+        let straight = clamp();
+        let mesh = straight.solid().mesh().mapped(|x| turn * x).unwrap();
+        let displacement: Vec<_> = bent(&straight, closed).displacement().iter().map(|d| turn * d).collect();
+        let velocity = vec![Vector::zeros(); displacement.len()];
+        let report = RefCell::new(None);
+        with_contact(exempt, elastic(mesh), BodyState::new(displacement, velocity), penalty(), |contact, _, x| {
+            let found = report_of(contact, x);
+            report.replace(Some((found.n_active, found.minimum_gap.unwrap(), found.largest_penetration)));
+        });
+        report.into_inner().unwrap()
+    });
+    let [straight, turned] = reports;
+    assert!(straight.0 > 3 && straight.0 == turned.0, "{reports:?}");
+    assert!((straight.1 - turned.1).abs() < 1e-12 && (straight.2 - turned.2).abs() < 1e-12, "{reports:?}");
 }
 
 #[test]

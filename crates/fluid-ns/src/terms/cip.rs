@@ -48,8 +48,9 @@ impl CipVelocity {
 ///
 /// Source: paper, `s_h` in Eq. (4); scaling as in Burman, Fernández, Hansbo 2006, DOI 10.1137/040617686, with the time
 /// step in `τ_F` in addition, which reduces the penalty for small steps.
-/// Couples: pressure × pressure.   Domain: interior faces of active parts, whole face. In films the weight is reduced
-/// by the factor `1 - χ`, because the term [`Film`](crate::terms::Film) stabilises the pressure there.
+/// Couples: pressure × pressure.   Domain: interior faces of active parts, whole face, and planes of symmetry, where
+/// the jump is that of `∇p - f` ([`FluidFaces`](crate::FluidFaces)). In films the weight is reduced by the factor
+/// `1 - χ`, because the term [`Film`](crate::terms::Film) stabilises the pressure there.
 /// Units: weight length²/viscosity × length.
 pub struct CipPressure {
     /// `γ_p`.

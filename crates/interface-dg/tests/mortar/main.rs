@@ -299,6 +299,29 @@ fn fluid_stress_of_a_facet_that_is_closed_in_part() {
     );
 }
 
+/// Checks the closed underside of a flat body: its pressure is that at the sides, although pieces of the top are
+/// nearer.
+#[test]
+fn the_pressure_below_a_flat_body_is_not_that_above_it() {
+    let p = |x: &Point<2>| 2.0 - 3.0 * x[1];
+    let fixture = Fixture::between(0.5, 1.5);
+    fixture.with_points(
+        uniform(1e3),
+        |_| V::zeros(),
+        p,
+        V::zeros(),
+        true,
+        |points, _, x, _, _| {
+            let stress = FluidStress::new(points.clone(), BodyId(0), |_| V::zeros());
+            let surface = Placed::new(points.surfaces[0].boundary, &points.surfaces[0].geometry);
+            let below = surface.boundary().facets().filter(|facet| surface.facet_normal(*facet)[1] < -0.5);
+            let pressures: Vec<f64> = below.map(|facet| stress.on(facet, x, &mut Vec::new())[1]).collect();
+            // The middle of a side is at the height 0.2.
+            assert!(pressures.len() == 3 && pressures.iter().all(|found| (found - 1.4).abs() < 1e-12), "{pressures:?}");
+        },
+    );
+}
+
 /// Returns the force on the fluid at rest by a body that moves with a velocity.
 fn force_on_fluid(form: MortarForm, v: V) -> V {
     Fixture::new().with_points(

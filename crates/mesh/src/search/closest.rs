@@ -143,6 +143,46 @@ impl<const D: usize> Foot<D> {
     }
 }
 
+/// Returns the distance between two facets, each given by `D` vertices; zero up to round-off if they cross. It is the
+/// smallest distance of a vertex of either facet from the other facet, of an edge from an edge, and in 3D of the point
+/// where an edge crosses the plane of the other facet from that facet.
+pub fn facet_distance<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> f64 {
+    let from = |facet: &[Point<D>], x: &Point<D>| Foot::on_facet(x, facet).squared_distance;
+    let mut smallest = a.iter().map(|x| from(b, x)).chain(b.iter().map(|x| from(a, x))).fold(f64::INFINITY, f64::min);
+    // A segment is its own edge.
+    let n_edges = D * (D - 1) / 2;
+    let edge = |facet: &[Point<D>], k: usize| [facet[k], facet[(k + 1) % D]];
+    for (i, j) in (0..n_edges).flat_map(|i| (0..n_edges).map(move |j| (i, j))) {
+        smallest = smallest.min(squared_distance_of_lines(edge(a, i), edge(b, j)));
+    }
+    for (facet, other) in [(a, b), (b, a)] {
+        let normal = facet_normal(facet);
+        for [from_point, to_point] in (0..n_edges).map(|k| edge(other, k)) {
+            let [before, after] = [from_point, to_point].map(|x| (x - facet[0]).dot(&normal));
+            if before * after < 0.0 {
+                smallest =
+                    smallest.min(from(facet, &(from_point + (to_point - from_point) * (before / (before - after)))));
+            }
+        }
+    }
+    smallest.sqrt()
+}
+
+/// Returns the squared distance between the lines through two segments if both closest points lie inside of the
+/// segments; infinity otherwise, and for parallel ones.
+fn squared_distance_of_lines<const D: usize>(a: [Point<D>; 2], b: [Point<D>; 2]) -> f64 {
+    let (u, v, w) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
+    let (uu, uv, vv) = (u.norm_squared(), u.dot(&v), v.norm_squared());
+    let determinant = uu * vv - uv * uv;
+    if determinant <= DEGENERATE * uu * vv {
+        return f64::INFINITY;
+    }
+    let s = (uv * v.dot(&w) - vv * u.dot(&w)) / determinant;
+    let t = (uu * v.dot(&w) - uv * u.dot(&w)) / determinant;
+    let is_inside = [s, t].iter().all(|x| (0.0..=1.0).contains(x));
+    if is_inside { (w + u * s - v * t).norm_squared() } else { f64::INFINITY }
+}
+
 /// Facets around each vertex of a surface.
 #[derive(Clone, Debug)]
 pub struct VertexToFacet {

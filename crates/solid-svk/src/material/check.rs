@@ -1,5 +1,6 @@
 //! Consistency of a material law with itself.
 
+use algebra::worse;
 use mesh::{Tensor, Vector, det};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::SplitMix64;
@@ -28,11 +29,6 @@ impl MaterialCheck {
             .into_iter()
             .fold(self.first_piola, worse)
     }
-}
-
-/// Returns the larger deviation; NaN is treated as infinite.
-fn worse(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }
 
 /// Returns the largest deviation of the blocks of the stiffness from [`Material::first_piola_derivative`]. The

@@ -9,7 +9,7 @@ use crate::setting::{
 use algebra::time::{GeneralisedAlpha, ImplicitEuler, Level, QuasiStatic, TimeScheme};
 use algebra::{Contributions, Integral, Term, check_tangent};
 use body::SurfaceStress;
-use mesh::{Point, Tensor, Vector, VertexId};
+use mesh::{Coordinates, Point, Tensor, Vector, VertexId};
 use rand::SeedableRng;
 use rand_xoshiro::SplitMix64;
 use solid_svk::kinematics::{cauchy_stress, gradient};
@@ -198,6 +198,26 @@ fn trace_bound<const D: usize>(order: Order) {
         }
     }
     assert!(n_reached > 0);
+}
+
+/// Checks that the bound is one over a length, with rotational symmetry as in the plane.
+#[test]
+fn the_bound_of_the_traction_is_that_of_a_length() {
+    for coordinates in [Coordinates::Cartesian, Coordinates::Axisymmetric] {
+        let bounds = [1.0, 2.0].map(|scale| {
+            let mesh = unit_mesh::<2>(2).mapped(|x| x * scale).unwrap().with_coordinates(coordinates).unwrap();
+            let mesh = SolidMesh::new(mesh).unwrap();
+            let (layout, field) = padded_layout(&mesh);
+            let rule = rule(schemes()[0].as_ref(), 1e-2, &at_rest(&mesh));
+            let cells = SolidCells { solid: &mesh, rule: &rule, layout: &layout, velocity: field };
+            let stress = SolidStress { cells, materials: &[Arc::new(ball_material())], positions: mesh.nodes() };
+            mesh.boundary().facets().map(|facet| stress.trace_bound(facet)).collect::<Vec<_>>()
+        });
+        for (small, large) in bounds[0].iter().zip(&bounds[1]) {
+            assert!((small - 2.0 * large).abs() <= 1e-12 * small, "{coordinates:?}: {small} {large}");
+        }
+        assert!(bounds[0].iter().any(|bound| *bound > 0.0));
+    }
 }
 
 #[test]

@@ -148,6 +148,29 @@ fn a_block_that_rests_takes_part_in_the_collision_of_another() {
     assert!((motion(&state, 0).centre[1] - 0.5005).abs() < 1e-6, "{:?}", motion(&state, 0).centre);
 }
 
+/// Checks a light block that falls with one corner first onto a heavy block, which is held or free: the corner that is
+/// pulled upwards by the turning block is released, whatever the mass below it is.
+#[test]
+fn a_light_block_bounces_off_a_heavy_one_as_off_the_ground() {
+    let onto = |obstacle: Option<bool>| {
+        let falling =
+            RigidBody { initial_velocity: V::new(0.0, -1.0), initial_spin: [3.0, 0.0, 0.0], ..block(0.0, 0.0) };
+        let Some(is_held) = obstacle else { return run(&bouncing_body(falling, 0.5), 30) };
+        let anvil = structured_box::<2>([-3.0, -1.0], [3.0, 0.0], [1, 1]).expect("a box");
+        let mut anvil = rigid("anvil", &anvil, 1e7, V::zeros());
+        (anvil.held_axes, anvil.holds_rotation) = ([is_held; 2], is_held);
+        let mut setup = dry(vec![Arc::new(falling), Arc::new(anvil)], 1e-2);
+        setup.contacts.push(collision(&setup, 0, against(1, &setup.bodies), 0.5));
+        run(&setup, 30)
+    };
+    let [ground, held, free] = [None, Some(true), Some(false)].map(|obstacle| motion(&onto(obstacle).0, 0));
+    for found in [held, free] {
+        assert!((found.velocity - ground.velocity).norm() < 1e-5, "{found:?} {ground:?}");
+        assert!((found.spin[0] - ground.spin[0]).abs() < 1e-5, "{found:?} {ground:?}");
+    }
+    assert!(ground.velocity[1] > 0.1, "{ground:?}");
+}
+
 /// Gap at the start, length and end of every step.
 struct Steps(Vec<(f64, f64, f64)>);
 

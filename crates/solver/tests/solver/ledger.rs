@@ -222,3 +222,22 @@ fn a_moving_floor_works_on_the_body_that_it_lifts() {
         assert!((given + force_work).abs() < 0.02 * force_work, "{given} {force_work}");
     }
 }
+
+/// Checks that the changes of the parts of a first step add up: the block begins with an energy in its contact.
+#[test]
+fn the_parts_of_a_first_step_begin_with_the_energy_of_those_before() {
+    let block = structured_box::<2>([0.0, 0.0], [1.0, 1.0], [2, 2]).expect("a box");
+    let mut setup = dry(vec![Arc::new(rigid("block", &block, 2.0, V::new(0.0, -10.0)))], 0.01);
+    setup.contacts.push(contact(&setup.bodies, 0, (100.0, 0.1, 0.1), ground()));
+    let (mut state, mut energies) = (State::initial(&setup).expect("a state"), Vec::new());
+    let mut work = Workspace::new();
+    for is_last in [false, false, true] {
+        let (next, report) = advance(&setup, &state, Substep { dt: 0.01, is_last }, &mut work).expect("a step");
+        energies.push((report.contacts[0].stored_energy, report.total_energy(), report.ledger.change));
+        state = next;
+    }
+    for pair in energies.windows(2) {
+        let [(_, before, _), (contact, after, change)] = pair else { panic!("two parts") };
+        assert!(*contact > 1.0 && (after - before - change).abs() < 1e-10 * contact, "{energies:?}");
+    }
+}

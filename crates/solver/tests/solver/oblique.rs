@@ -96,6 +96,34 @@ fn a_turned_problem_has_the_turned_solution() {
     }
 }
 
+/// Checks fluid at rest on a plane without friction, under a weight across it, in the plane and in space.
+fn rests_on_a_plane_of_symmetry<const D: usize>(turn: Tensor<D>, scheme: Arc<dyn TimeScheme>) {
+    let background = structured_box::<D>([0.0; D], [1.0; D], [3; D]).expect("a box");
+    let up: Vector<D> = turn.column(D - 1).into_owned();
+    let mut setup = setup(fluid(turned(&background, turn), 2.0, 1e-3), 0.1);
+    setup.scheme = scheme;
+    fluid_of(&mut setup).body_force = Some(Arc::new(move |_, t| up * -(20.0 + t)));
+    on_sides(&mut setup, &["bottom"], || FluidBoundary::Symmetry { normal: up });
+    let sides: &[&str] = if D == 2 { &["left", "right"] } else { &["left", "right", "front", "back"] };
+    on_sides(&mut setup, sides, || FluidBoundary::NoSlip);
+    let (state, reports) = run(&setup, 3);
+    let fastest = wet(&state).velocity.iter().map(|u| u.norm()).fold(0.0, f64::max);
+    assert!(fastest < 1e-9, "{fastest:e}");
+    let highest = wet(&state).pressure.iter().copied().fold(0.0, f64::max);
+    let weight = 20.0 + wet(&state).pressure_time;
+    assert!((highest - weight).abs() < 1e-8 * weight, "{highest} {weight}");
+    assert!(reports.iter().all(|report| report.ledger.defect().abs() < 1e-9));
+}
+
+#[test]
+fn fluid_rests_on_a_plane_of_symmetry_under_its_weight() {
+    for scheme in SCHEMES {
+        rests_on_a_plane_of_symmetry::<2>(Tensor::identity(), scheme());
+        rests_on_a_plane_of_symmetry::<2>(Rotation2::new(0.6).into_inner(), scheme());
+        rests_on_a_plane_of_symmetry::<3>(Tensor::identity(), scheme());
+    }
+}
+
 #[test]
 fn a_difference_of_pressure_accelerates_the_fluid_between_planes_of_symmetry() {
     // ρ du/dt = (3 - 1)/2 along a channel of the length 2, and no traction for the kinetic energy that flows in.

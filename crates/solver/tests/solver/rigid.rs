@@ -444,6 +444,18 @@ fn a_plate_that_moves_as_prescribed_pushes_a_body_through_the_fluid_from_either_
     assert!((block.centre - plate.centre).norm() < 2e-3, "{} {}", block.centre, plate.centre);
 }
 
+/// A plate whose corners are all outside of the background, and that divides it, has not left.
+#[test]
+fn a_body_with_all_vertices_outside_of_the_domain_moves_in_it() {
+    let mesh = structured_box::<2>([-0.5, 0.61], [2.5, 0.87], [1, 1]).expect("a box");
+    let mut plate = rigid("plate", &mesh, 2.0, V::zeros());
+    plate.initial_velocity = V::new(0.0, -0.1);
+    let mut setup = in_a_box(plate, 0.02, |_, _| V::zeros());
+    fluid_of(&mut setup).boundary.clear();
+    let (state, _) = run(&setup, 2);
+    assert!(motion(&state, 0).velocity[1] < -0.01, "{:?}", motion(&state, 0));
+}
+
 #[test]
 fn a_body_that_has_left_the_domain_ends_the_run() {
     let mesh = structured_box::<2>([0.8, -0.3], [1.2, 0.05], [2, 2]).expect("a box");
