@@ -11,7 +11,7 @@ const COMMENT_WIDTH: usize = 120;
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
-    (&["crates/io/src"], 13_440),
+    (&["crates/io/src"], 13_450),
     (&["crates/report/src"], 1590),
     (&["crates/solver/src"], 3_560),
     (&["validation"], 14_020),

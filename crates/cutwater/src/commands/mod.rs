@@ -20,6 +20,7 @@ use std::process::ExitCode;
 use cutwater::io::scenario::expected_cells;
 use cutwater::io::{Error, ScenarioFile};
 use cutwater::solver;
+use cutwater::solver::algebra::{LinearError, NewtonError};
 
 /// Exit code of a run that was interrupted: the one that shells use for SIGINT, 128 + 2.
 pub(crate) const INTERRUPTED: u8 = 130;
@@ -160,7 +161,10 @@ fn advice(step: &solver::StepError, has_contacts: bool) -> String {
         _ => return String::new(),
     };
     let mut text = String::new();
-    if step.source.smaller_step_may_succeed() {
+    if matches!(newton, NewtonError::Linear { source: LinearError::Singular { .. }, .. }) {
+        text += "\n  with quasi-static steps and without a fluid, nothing but supports and contacts in action determines where a body is: \
+                 hold its motions, or give contact an `offset` above the gap at the start; otherwise try a smaller `time.step`";
+    } else if step.source.smaller_step_may_succeed() {
         text += "\n  a step that fails is halved up to `time.most_halvings` times; try a smaller `time.step`, or more \
                  `solver.newton.max_iterations`";
     }

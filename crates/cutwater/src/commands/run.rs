@@ -266,7 +266,7 @@ fn print_summary(summary: &Summary, directory: &str, print_line: &mut dyn FnMut(
             0.5 * summary.dt
         ));
     }
-    if let Some(change) = summary.closed_volume_change.filter(|change| change.abs() > MUCH_CHANGE) {
+    if let Some(change) = summary.closed_volume_change.map(f64::exp_m1).filter(|change| change.abs() > MUCH_CHANGE) {
         print_line(&format!(
             "  warning: given velocities of sides or bodies change the volume of a closed region of the fluid, in all by {:.0} % of it: the fluid has nowhere to go, and \
              the pressure there is wrong; give the region a side with the condition `free`, or another motion",
@@ -290,8 +290,8 @@ fn overlap(summary: &Summary) -> Option<String> {
 
 /// Energy that steps generate, or lose in contact, relative to the energies of the run, above which the summary warns.
 const MUCH_ENERGY: f64 = 0.05;
-/// Change of the volume of closed regions above which the summary warns.
-const MUCH_CHANGE: f64 = 0.05;
+/// Change of the volume of closed regions, relative to that at the start, above which the summary warns.
+const MUCH_CHANGE: f64 = 0.01;
 /// Share of divided steps at and above which the summary advises a shorter step.
 const MANY: f64 = 0.05;
 

@@ -564,7 +564,10 @@ fn free<const D: usize>(
     let mut body = RigidBody::new(&given.name, boundary, reference, density, gravity)
         .map_err(|error| given.shape.at.error(error))?;
     body.variable_gravity = variable_gravity;
-    for motion in held {
+    for (k, motion) in held.iter().enumerate() {
+        if held[..k].iter().any(|other| **other == **motion) {
+            return Err(motion.at.invalid("this motion is held twice; take one out"));
+        }
         let no_effect = || motion.at.error(ErrorKind::NoEffect("two dimensions"));
         match **motion {
             Held::Rotation => body.holds_rotation = true,

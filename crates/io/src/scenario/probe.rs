@@ -54,7 +54,7 @@ choices! {
             /// Sides from the corner: one in 2D, to the right of which the flux is positive; two in 3D, by the right-hand rule.
             sides: At<Vec<Components<f64>>> [unit(Quantity::LENGTH)],
             /// Number of points along each side, in the middles of equal intervals.
-            points: usize [between(1.0, 100_000.0)] = 200,
+            points: At<usize> [between(1.0, 100_000.0)] = 200,
         },
         /// Strain energy of an elastic body; in the plane per unit depth.
         StrainEnergy = "strain-energy" {
@@ -72,6 +72,9 @@ choices! {
         },
     }
 }
+
+/// Largest number of points of a probe of the flux.
+const MOST_FLUX_POINTS: f64 = 1e6;
 
 /// Builds the probes of a run. Masses, forces, energies and flows are integrals over a domain of the given dimension.
 ///
@@ -127,11 +130,16 @@ pub(super) fn probes<const D: usize>(
                 let normal = normal(&vectors).ok_or_else(|| {
                     sides.at.invalid(format!("a section in dimension {D} needs {} sides that span it", D - 1))
                 })?;
+                if (**points as f64).powi(D as i32 - 1) > MOST_FLUX_POINTS {
+                    let most = MOST_FLUX_POINTS.powf(1.0 / (D as f64 - 1.0));
+                    let message = format!("{} points along each side take too long in every step", **points);
+                    return Err(points.at.invalid(format!("{message}; give at most {most:.0}")));
+                }
                 let corner: Point<D> = corner.vector();
                 let ends = vectors.iter().map(|side| corner + side);
                 let opposite = corner + vectors.iter().sum::<Vector<D>>();
                 inside(&ends.chain([corner, opposite]).collect::<Vec<_>>())?;
-                Measured::Flux { corner, sides: vectors, normal, n: *points }
+                Measured::Flux { corner, sides: vectors, normal, n: **points }
             }
             ProbeChoice::StrainEnergy { body } => {
                 let index = find(body)?;
