@@ -315,6 +315,10 @@ fn check_effects(scenario: &Scenario, bodies: &[At<BodyKeys>]) -> Result<(), Sce
     if let Some(approach) = scenario.time.approach.as_ref().filter(|_| scenario.contact.is_empty()) {
         return Err(approach.smallest.at.error(ErrorKind::NoEffect("a scenario without contacts")));
     }
+    let film = scenario.fluid.as_ref().and_then(|fluid| fluid.film.as_ref());
+    if let Some(film) = film.filter(|_| scenario.body.is_empty()) {
+        return Err(film.at.error(ErrorKind::NoEffect("a scenario without bodies")));
+    }
     if *scenario.time.scheme != TimeSchemeChoice::QuasiStatic {
         return Ok(());
     }

@@ -29,7 +29,7 @@ keys! {
         convection: ConvectionChoice = "standard",
         /// Flux along films between bodies and walls that are thinner than four cells, which cells do not resolve; not
         /// modelled if left out.
-        film: Option<FilmKeys>,
+        film: Option<At<FilmKeys>>,
         /// Force per volume; none if left out.
         body_force: Option<Field> [unit(Quantity::FORCE_DENSITY)],
         /// Velocity at the start; at rest if left out.

@@ -128,7 +128,10 @@ pub(super) fn probes<const D: usize>(
                 fluid.ok_or_else(no_fluid)?;
                 let vectors: Vec<Vector<D>> = sides.iter().map(Components::vector).collect();
                 let normal = normal(&vectors).ok_or_else(|| {
-                    sides.at.invalid(format!("a section in dimension {D} needs {} sides that span it", D - 1))
+                    sides.at.invalid(format!(
+                        "a section in dimension {D} needs {} entries of `sides`, longer than zero and not parallel",
+                        D - 1
+                    ))
                 })?;
                 if (**points as f64).powi(D as i32 - 1) > MOST_FLUX_POINTS {
                     let most = MOST_FLUX_POINTS.powf(1.0 / (D as f64 - 1.0));
@@ -154,6 +157,11 @@ pub(super) fn probes<const D: usize>(
             ProbeChoice::Line { from, to, points } => {
                 fluid.ok_or_else(no_fluid)?;
                 inside(&[from.vector(), to.vector()])?;
+                if from.vector::<D>() == to.vector::<D>() {
+                    return Err(probe
+                        .at
+                        .invalid("the ends of this line are one point; measure it by the kind `point`"));
+                }
                 found.lines.push(Line { name: name.clone(), ends: [from.vector(), to.vector()], n: *points });
                 continue;
             }

@@ -20,6 +20,8 @@ pub(super) struct SymmetryPlane<const D: usize> {
     /// The side of the background on the plane, and the box around it.
     pub(super) side: Tag,
     bounds: Aabb<D>,
+    /// The normal times this sign points out of the background.
+    outward: f64,
     /// Signed distance from the origin along the normal.
     place: f64,
     /// Largest distance of a vertex on the plane from it, by round-off.
@@ -74,8 +76,7 @@ fn beyond<const D: usize>(
     let domain = Aabb::of_points(background.vertices());
     let height = |x: &Point<D>| plane.normal.dot(x) - plane.place;
     let room = BEYOND * domain.extent().max();
-    let outward = -height(&((domain.low + domain.high) * 0.5)).signum();
-    let out = |vertex: &VertexId| outward * height(&positions[vertex.index()]);
+    let out = |vertex: &VertexId| plane.outward * height(&positions[vertex.index()]);
     let all = surface.vertices_of(&surface.facets().collect::<Vec<_>>());
     let is_across = |facet: FacetId| {
         let corners = surface.facet(facet);
@@ -98,7 +99,8 @@ pub(super) fn symmetry_planes<const D: usize>(fluid: &FluidSetup<D>) -> Vec<Symm
         let FluidBoundary::Symmetry { normal } = condition else { return None };
         let points = tagged_vertices(&fluid.background, *tag);
         let place = normal.dot(points.first()?);
-        Some(SymmetryPlane { normal: *normal, side: *tag, bounds: Aabb::of_points(&points), place, room })
+        let outward = fluid.background.tag_normal(*tag).map_or(1.0, |outward| outward.dot(normal).signum());
+        Some(SymmetryPlane { normal: *normal, side: *tag, bounds: Aabb::of_points(&points), outward, place, room })
     });
     planes.collect()
 }

@@ -541,3 +541,24 @@ fn bodies_reach_through_a_plane_of_symmetry_only_where_they_are_clamped() {
     through(disk(0.0));
     disk(0.3 + 1e-9).expect("a disk on the plane");
 }
+
+/// A leaf that is clamped above the frictionless ceiling of the low part of an L. The middle of the background is above
+/// this ceiling, too.
+#[test]
+fn the_outside_of_a_plane_of_symmetry_is_that_of_its_side() {
+    let leaf = |boundary: &str| {
+        let text = format!(
+            "name = \"leaf\"\ndimension = 2\nunits = \"si\"\ntime = {{ step = 0.1, end = 1 }}\nfluid = {{ density = 1, viscosity = 1 }}\n\
+             [background]\nkind = \"polygon\"\nsize = 0.5\ncorners = [[0, 0], [4, 0], [4, 10], [2, 10], [2, 2], [0, 2]]\n[background.boundary]\n\
+             side-1 = \"no-slip\"\nside-2 = \"no-slip\"\nside-3 = \"free\"\nside-4 = \"no-slip\"\nside-5 = \"symmetry\"\nside-6 = \"no-slip\"\n\
+             [[body]]\nname = \"leaf\"\ndensity = 1\ngravity = [0, 0]\nshape = {{ kind = \"box\", min = [1, 1], max = [1.2, 2.15], n = [1, 1] }}\n\
+             material = {{ kind = \"linear\", young = 1e3, poisson = 0.3 }}\nboundary = {{ {boundary} = \"clamped\" }}\n"
+        );
+        parse(&text, &[]).and_then(|file| io::sizes(&file).map(|_| ()))
+    };
+    leaf("top").expect("clamped above the ceiling");
+    check_words(
+        &leaf("bottom").expect_err("a loose top").to_string(),
+        &["body.0.shape", "through a plane of symmetry"],
+    );
+}

@@ -312,7 +312,7 @@ boundary = { bottom = "clamped" }
     refuse(
         "sides = [[0.0, 1.0]]",
         "sides = [[0.0, 1.0], [1.0, 0.0]]",
-        &["output.probes.through.sides", "needs 1 sides"],
+        &["output.probes.through.sides", "needs 1 entries of `sides`"],
     );
     refuse("along   =", "\"a,b\" =", &["output.probes.a,b", "not a column name"]);
 }
