@@ -180,7 +180,10 @@ impl<const D: usize> ContactItems<D> {
                 let opposite = Placed::new(master.boundary, positions);
                 let corners = |points: [Point<D>; MAX_FACET_VERTICES]| std::array::from_fn(|k| points[k]);
                 let opposite = candidates.iter().map(|&candidate| corners(opposite.facet_points(candidate)));
-                segments = divide(&corners(placed.facet_points(facet)), opposite);
+                // A law of collisions has no traction to integrate.
+                if pair.form.law.restitution().is_none() {
+                    segments = divide(&corners(placed.facet_points(facet)), opposite);
+                }
                 let vertices = master.boundary.vertices_of(&candidates);
                 masters = vertices.into_iter().map(|vertex| (vertex, first_row(master, vertex))).collect();
             }

@@ -43,7 +43,7 @@ impl<'a, const D: usize> FluidFace<'a, D> {
 ///
 /// On a plane of symmetry the jump of the pressure is that of `∇p - f` with the body force `f`, since `∂p/∂n = f·n` in
 /// fluid at rest there. It is zero for fluid that rests on the plane, and differs from that of `∇p` only if the force
-/// is not symmetric.
+/// is not symmetric. Other faces have the jump of `∇p` alone, which is right for forces without jumps.
 pub struct FluidFaces<'a, const D: usize> {
     fields: FluidFields<'a>,
     geometry: FluidGeometry<'a, D>,
@@ -81,7 +81,8 @@ impl<'a, const D: usize> FluidFaces<'a, D> {
 }
 
 impl<const D: usize> FluidFaces<'_, D> {
-    /// Returns the powers `c_F |[∇u]n|²_F` and `c_F ([∇p]n, [∇p]n)_F` of the penalties of velocity and pressure.
+    /// Returns the powers `c_F |[∇u]n|²_F` and `c_F ([∇p - f]n, [∇p]n)_F` of the penalties of velocity and pressure,
+    /// with the force `f` on planes of symmetry only.
     pub fn powers(&self, x: &[f64]) -> [f64; 2] {
         powers(self, x, |item| usize::from(item % (D + 1) == D))
     }

@@ -9,7 +9,7 @@ use common::{assert_sound, smallest_angle, volume};
 use mesh::generate::{
     BallOptions, Region, RegionShape, Size, ball, graded_box, half_ball, mirrored, refined_box, structured_box,
 };
-use mesh::search::{Feature, SurfaceIndex, facet_distance};
+use mesh::search::{Feature, SurfaceIndex, facets_are_within};
 use mesh::{Aabb, BoundaryMesh, CellId, Error, FacetId, Placed, Point, SimplexMesh, VertexId};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -485,9 +485,9 @@ fn distance_agrees_with_points<const D: usize>(numbers: &[f64]) {
     };
     let (of_a, of_b) = (points(&a), points(&b));
     let smallest = of_a.iter().flat_map(|x| of_b.iter().map(move |y| (x - y).norm())).fold(f64::INFINITY, f64::min);
-    let distance = facet_distance(&a, &b);
     let longest = [&a, &b].iter().flat_map(|f| f.iter().map(|x| (x - f[0]).norm())).fold(0.0, f64::max);
-    assert!(distance <= smallest + 1e-12 && distance > smallest - 4.0 * longest / N as f64, "{distance} {smallest}");
+    assert!(facets_are_within(smallest + 1e-12, &a, &b) && facets_are_within(smallest + 1e-12, &b, &a), "{smallest}");
+    assert!(!facets_are_within((smallest - 4.0 * longest / N as f64).max(0.0), &a, &b), "{smallest}");
 }
 
 proptest! {
@@ -504,13 +504,13 @@ proptest! {
 fn edges_that_pass_each_other_have_their_distance() {
     let a = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 5.0]].map(Point::<3>::from);
     let b = [[0.0, -1.0, -0.1], [0.0, 1.0, -0.1], [0.0, 0.0, -5.0]].map(Point::<3>::from);
-    assert!((facet_distance(&a, &b) - 0.1).abs() < 1e-15);
+    assert!(facets_are_within(0.1 + 1e-15, &a, &b) && !facets_are_within(0.1 - 1e-15, &a, &b));
     // A facet through the middle of another one.
     let through = [[0.1, 0.0, 9.0], [0.1, 0.0, -3.0], [9.0, 0.0, -3.0]].map(Point::<3>::from);
     let flat = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]].map(Point::<3>::from);
-    assert!(facet_distance(&through, &flat) < 1e-15 && facet_distance(&flat, &through) < 1e-15);
+    assert!(facets_are_within(1e-15, &through, &flat) && facets_are_within(1e-15, &flat, &through));
     let [left, right] = [[[0.0, 0.0], [4.0, 1.0]], [[2.0, -3.0], [2.1, 5.0]]].map(|x| x.map(Point::<2>::from));
-    assert!(facet_distance(&left, &right) < 1e-15);
+    assert!(facets_are_within(1e-15, &left, &right));
 }
 
 #[test]

@@ -23,6 +23,14 @@ pub struct SolidStress<'a, const D: usize> {
     pub positions: &'a [Point<D>],
 }
 
+/// Orders by which the constant of the trace inequality is raised for integrals with the weight of a radius.
+const ORDERS_OF_WEIGHT: usize = 2;
+
+/// Returns `p (p - 1 + D)/D`, the constant of the trace inequality of polynomials of degree `p - 1`.
+fn trace_constant<const D: usize>(p: usize) -> f64 {
+    (p * (p - 1 + D)) as f64 / D as f64
+}
+
 impl<const D: usize> SolidStress<'_, D> {
     fn cell(&self, facet: FacetId) -> Option<CellId> {
         self.cells.solid.boundary().facet_to_cell(facet)
@@ -66,8 +74,7 @@ impl<const D: usize> SolidStress<'_, D> {
     /// Returns `p (p - 1 + D)/D` for the order `p`: the constant of the trace inequality of polynomials of degree
     /// `p - 1`.
     fn trace_factor(&self) -> f64 {
-        let p = self.cells.solid.order().degree();
-        (p * (p - 1 + D)) as f64 / D as f64
+        trace_constant::<D>(self.cells.solid.order().degree())
     }
 }
 
@@ -90,8 +97,9 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
     ///
     /// The factor is that of polynomials of degree `q = p - 1`, the degree of the gradients:
     /// `∫_F |y|² <= (q + 1)(q + D)/D |F|/|K| ∫_K |y|²` for a facet F. The sum of the squares in the middles of the
-    /// parts of a facet is less than the integral. On a cell with curved edges the bound holds up to the variation of
-    /// its Jacobian.
+    /// parts of a facet is less than the integral. With rotational symmetry the integrals have the weight `2 π r`, and
+    /// the constant is that of two more orders: 6 and 10 for orders 1 and 2, where the largest one of order 2 over
+    /// triangles of any radii is 7.6. On a cell with curved edges the bound holds up to the variation of its Jacobian.
     ///
     /// Source: Warburton, Hesthaven 2003, On the constants in hp-finite element trace inverse inequalities, Comput.
     /// Methods Appl. Mech. Eng. 192, doi:10.1016/S0045-7825(03)00294-9, Theorem 5.
@@ -99,7 +107,9 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
         let Some(cell) = self.cell(facet) else { return 0.0 };
         let solid = self.cells.solid;
         let volume: f64 = solid.points(cell).map(|point| point.weight).sum();
-        let trace = self.trace_factor() * solid.surface_measure(cell) / volume;
+        let is_weighted = solid.boundary().coordinates().radial().is_some();
+        let p = solid.order().degree() + if is_weighted { ORDERS_OF_WEIGHT } else { 0 };
+        let trace = trace_constant::<D>(p) * solid.surface_measure(cell) / volume;
         self.cells.rule.displacement.slope * self.stiffness_along_normal(facet, cell) * trace
     }
 

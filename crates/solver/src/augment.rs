@@ -28,13 +28,15 @@ impl<const D: usize> Step<'_, D> {
     /// Newton's method fails, or the multipliers still change after the largest number of solves.
     pub(crate) fn solve(&mut self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, Error> {
         let mut report = newton(&self.problem().equations, x, work, &self.setup.newton)?;
-        let mut measured_from = f64::NAN;
+        let mut measured_from: Option<(usize, f64, usize)> = None;
         for solves in 1.. {
             // Each point of a collision is added at most a given number of times, so that collisions settle.
             match (self.augment(x), self.settle_collisions(x)) {
                 (None, false) => break,
                 (Some(Unsettled { contact, change, accepted }), false) if solves >= MOST_SOLVES => {
-                    let ratio = (change / measured_from).powf(1.0 / MEASURED as f64);
+                    let ratio = measured_from
+                        .filter(|from| from.0 == contact)
+                        .map_or(f64::NAN, |(_, before, at)| (change / before).powf(1.0 / (solves - at) as f64));
                     return Err(Error::Multipliers {
                         contact,
                         solves,
@@ -44,7 +46,9 @@ impl<const D: usize> Step<'_, D> {
                         newton: Box::new(report),
                     });
                 }
-                (Some(Unsettled { change, .. }), _) if solves + MEASURED == MOST_SOLVES => measured_from = change,
+                (Some(Unsettled { contact, change, .. }), _) if solves + MEASURED == MOST_SOLVES => {
+                    measured_from = Some((contact, change, solves));
+                }
                 _ => {}
             }
             let solved = newton(&self.problem().equations, x, work, &self.setup.newton);

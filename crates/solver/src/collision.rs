@@ -74,7 +74,7 @@ impl<const D: usize> Collision<D> {
         start: &[f64],
     ) -> Option<Self> {
         let restitution = contact.form().law.restitution()?;
-        let (mut points, mut fastest) = (Vec::new(), 0.0_f64);
+        let (mut points, mut fastest, mut moves) = (Vec::new(), 0.0_f64, [false; 2]);
         let is_free = |dof: DofId| constraints.get(dof).is_none();
         let can_move = |(dof, _): &(DofId, f64)| match constraints.tie_of(*dof) {
             Some(masters) => masters.iter().any(|(master, _)| is_free(*master)),
@@ -82,7 +82,10 @@ impl<const D: usize> Collision<D> {
         };
         for (vertex, found) in touching(contact, setup, previous) {
             let mut point = CollisionPoint::new(contact, vertex, &found, previous, refs);
-            if point.dofs.iter().any(can_move) {
+            let (of_slave, of_master) = point.dofs.split_at(point.n_of_slave);
+            let can_move = [of_slave, of_master].map(|dofs| dofs.iter().any(can_move));
+            if can_move.contains(&true) {
+                moves = [moves[0] || can_move[0], moves[1] || can_move[1]];
                 let approach = point.velocities(start).iter().sum::<f64>();
                 fastest = fastest.max(approach.abs());
                 point.velocity = refs.time.weights.stage_velocity(-restitution * approach, approach);
@@ -90,11 +93,12 @@ impl<const D: usize> Collision<D> {
                 points.push(point);
             }
         }
-        // With the larger mass, a pull that turns the lighter body around would be below the tolerance.
-        let bodies = [Some(contact.body()), contact.master()].into_iter().flatten().map(BodyId::index);
-        let of_movable = bodies.filter(|&body| setup.bodies[body].is_movable());
-        let mass = of_movable.filter_map(|body| Some(setup.bodies[body].balance(&previous.bodies[body])?.mass));
-        let mass = mass.fold(f64::INFINITY, f64::min);
+        // With the larger mass, a pull that turns the lighter body around would be below the tolerance. A body that is
+        // held along the normals does not count.
+        let bodies = [Some(contact.body()), contact.master()].into_iter().zip(moves);
+        let of_moving = bodies.filter(|(_, moves)| *moves).filter_map(|(id, _)| id);
+        let balance = |id: BodyId| setup.bodies[id.index()].balance(&previous.bodies[id.index()]);
+        let mass = of_moving.filter_map(balance).map(|balance| balance.mass).fold(f64::INFINITY, f64::min);
         (!points.is_empty()).then(|| Self { points, fastest, weight: STIFFNESS * mass / refs.time.length })
     }
 

@@ -159,14 +159,17 @@ pub enum Error {
     Observer(#[source] ObserverError),
 }
 
+/// Ratio of two changes below which they shrink.
+const SHRINKS: f64 = 1.0 - 1e-6;
+
 /// Returns the remedy for multipliers that a solve changes by `ratio` times the change of the solve before. With the
 /// stiffness `k` of the contact and `K` of the motion in a step, `ratio = K/(K + k)`.
 fn remedy(ratio: f64) -> String {
-    if ratio < 0.999 {
+    if ratio < SHRINKS {
         let factor = 100.0 * ratio / (1.0 - ratio);
         format!(
-            "a solve leaves {ratio:.3} of the change of the one before, and would leave a hundredth with a parameter of its law about {factor:.0e} times \
-             as large; or take a larger tolerance"
+            "a solve leaves {ratio:.4} of the change of the one before, and would leave a hundredth with a parameter of its law about {factor:.0e} times \
+             as large (with friction less, as far as Newton's method converges); or take a larger tolerance"
         )
     } else {
         "the changes do not shrink: check that the body fits between its obstacles, and take a larger parameter of its law, with friction a smaller one"

@@ -86,7 +86,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         check_domain(setup, fluid.background.vertices(), &positions)?;
         let background = &fluid.background;
         let clock = Instant::now();
-        let cut = overlay(setup, fluid, &positions, time.stage())?;
+        let cut = overlay(setup, fluid, &positions, time.end)?;
         let seconds_cut = clock.elapsed().as_secs_f64();
         let space = XfemSpace::new(background, &cut);
         let clock = Instant::now();

@@ -34,7 +34,8 @@ impl<const D: usize> State<D> {
         lists
     }
 
-    /// Restores a state from the lists of [`State::to_lists`]. Cut and space are computed from the positions.
+    /// Restores a state from the lists of [`State::to_lists`]. Cut and space are computed from the positions and the
+    /// time.
     ///
     /// # Errors
     /// [`StepError`]: the setup does not pass [`Setup::check`], the lists do not have the lengths of this setup, or the
@@ -56,7 +57,7 @@ impl<const D: usize> State<D> {
             let inner = lists.list("own numbers of a body", body.initial().inner.len())?.to_vec();
             bodies.push(BodyState { level: Level { displacement, velocity, acceleration }, inner });
         }
-        let fluid = setup.fluid.as_ref().map(|fluid| lists.fluid(setup, fluid)).transpose()?;
+        let fluid = setup.fluid.as_ref().map(|fluid| lists.fluid(setup, fluid, first[1])).transpose()?;
         lists.end()?;
         Ok(Self { step: first[0] as usize, time: first[1], fluid, bodies, contact_energy: first[2] })
     }
@@ -90,7 +91,12 @@ impl<'a> Lists<'a> {
         self.vectors(what, if is_empty { 0 } else { n })
     }
 
-    fn fluid<const D: usize>(&mut self, setup: &Setup<D>, fluid: &FluidSetup<D>) -> Result<FluidState<D>, Error> {
+    fn fluid<const D: usize>(
+        &mut self,
+        setup: &Setup<D>,
+        fluid: &FluidSetup<D>,
+        time: f64,
+    ) -> Result<FluidState<D>, Error> {
         let numbers = self.list("time of the pressure and kinetic products", 4)?;
         // The number of dofs is known once the background is cut, for which the last lists are needed.
         let (of_dofs, of_bodies) = self.0.split_at(self.0.len().min(3));
@@ -99,7 +105,7 @@ impl<'a> Lists<'a> {
         let positions: Vec<Vec<Point<D>>> = bodies
             .map(|body| self.vectors("positions at the cut", body.reference().len()))
             .collect::<Result<_, _>>()?;
-        let cut = overlay(setup, fluid, &positions, numbers[0])?;
+        let cut = overlay(setup, fluid, &positions, time)?;
         let space = XfemSpace::new(&fluid.background, &cut);
         let (mut of_dofs, n) = (Lists(of_dofs), space.len());
         let velocity = of_dofs.vectors("velocities of the fluid", n)?;

@@ -15,7 +15,7 @@ const ALONG: f64 = 1e-9;
 
 /// Cuts the background with the bodies at the given positions. In problems with contacts, trapped fluid is left out:
 /// regions between bodies, walls and planes of symmetry all of whose parts have less than a hundredth of the volume of
-/// their cells. A side with a given velocity is a wall where the velocity at the time `time` is along it.
+/// their cells. A side with a given velocity is a wall where the velocity at `time`, the end of the step, is along it.
 ///
 /// Surfaces that touch around a point enclose such a region, for example under the pole of a ball on a floor. Its fluid
 /// is incompressible and would stop the surfaces, with a pressure that grows without bound as the area of the region

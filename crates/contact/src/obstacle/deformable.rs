@@ -1,6 +1,6 @@
 //! The moving boundary of another body as an obstacle.
 
-use mesh::search::{Feature, Foot, SurfaceIndex, VertexToFacet, facet_distance};
+use mesh::search::{Feature, Foot, SurfaceIndex, VertexToFacet, facets_are_within};
 use mesh::{Aabb, BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, Tensor, Vector, VertexId, facet_normal};
 
 use super::{Anchor, Obstacle, Projection};
@@ -21,7 +21,7 @@ const TOUCHING: f64 = 1e-8;
 pub struct DeformableObstacle<const D: usize> {
     pub(super) boundary: BoundaryMesh<D>,
     pub(super) facets: Vec<FacetId>,
-    /// Whether each facet of the boundary can be touched.
+    /// Whether each facet of the boundary can be touched; empty if all of them can.
     is_touchable: Vec<bool>,
     vertex_to_facet: VertexToFacet,
 }
@@ -40,6 +40,9 @@ impl<const D: usize> DeformableObstacle<D> {
         let vertex_to_facet = VertexToFacet::new(&boundary);
         let mut is_touchable = vec![false; n_facets];
         facets.iter().for_each(|facet| is_touchable[facet.index()] = true);
+        if !is_touchable.contains(&false) {
+            is_touchable.clear();
+        }
         Ok(Self { boundary, facets, is_touchable, vertex_to_facet })
     }
 
@@ -72,12 +75,15 @@ impl<const D: usize> DeformableObstacle<D> {
         smallest
     }
 
-    /// Computes the gap of a point with the search structure at `positions`; `None` if the point is past the end.
+    /// Computes the gap of a point with the search structure at `positions`; `None` if it is negative and the point is
+    /// past the end, or the closest point on the rim of the facets that can be touched.
     pub(super) fn gap_with(&self, index: &SurfaceIndex<D>, x: &Point<D>, positions: &[Point<D>]) -> Option<f64> {
         let (mut near, at) = (Vec::new(), Positions::Fixed(positions));
         self.overlapping(index, &Aabb::of_points([x]).expanded(index.closest(x)?.reach(x)), &mut near);
-        let gap = self.project(x, at, &near)?.gap(x);
-        (!self.is_past_end(x, at, &near)).then_some(gap)
+        let closest = self.closest(x, at, &near)?;
+        let gap = self.projection(x, &closest, at).gap(x);
+        let has_sign = || !self.is_on_rim(&closest) && !self.is_past_end(x, at, &near);
+        (gap >= 0.0 || has_sign()).then_some(gap)
     }
 
     /// Computes [`Obstacle::candidates`] with the search structure at the obstacle's positions.
@@ -96,7 +102,7 @@ impl<const D: usize> DeformableObstacle<D> {
             // A facet whose box alone is near may be the far side of a thin part.
             near.retain(|&other| {
                 let other = facet_points(self.boundary.facet(other), Positions::Fixed(positions));
-                facet_distance(points, &other[..D]) <= reach
+                facets_are_within(reach, points, &other[..D])
             });
             near
         };
@@ -160,11 +166,23 @@ impl<const D: usize> DeformableObstacle<D> {
         }
     }
 
+    /// Returns whether a closest point is on the rim of the facets that can be touched.
+    fn is_on_rim(&self, closest: &(FacetId, Foot<D>)) -> bool {
+        !self.is_touchable.is_empty() && !self.holds_around(closest, |facet| self.is_touchable[facet.index()])
+    }
+
     /// Returns whether a point is over a facet up to round-off, although its closest point is on the rim of the facet.
-    fn is_over_facet(&self, x: &Point<D>, (facet, foot): &(FacetId, Foot<D>), at: Positions<'_, D>) -> bool {
+    fn is_over_facet(&self, x: &Point<D>, closest: &(FacetId, Foot<D>), at: Positions<'_, D>) -> bool {
+        let [height, size] = self.height_and_size(x, closest, at);
+        let squared = closest.1.squared_distance - height * height;
+        squared <= (TOUCHING * size).powi(2)
+    }
+
+    /// Returns the height of a point over the plane of the facet of a closest point, and the length of the first edge
+    /// of this facet.
+    fn height_and_size(&self, x: &Point<D>, (facet, foot): &(FacetId, Foot<D>), at: Positions<'_, D>) -> [f64; 2] {
         let points = facet_points(self.boundary.facet(*facet), at);
-        let (away, normal) = (x - foot.point, facet_normal(&points[..D]));
-        (away - normal * away.dot(&normal)).norm() <= TOUCHING * (points[1] - points[0]).norm()
+        [(x - foot.point).dot(&facet_normal(&points[..D])), (points[1] - points[0]).norm()]
     }
 
     /// Computes the normal into the obstacle and its derivative at a closest point of a facet.
@@ -197,10 +215,25 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
     }
 
     fn is_past_end(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> bool {
+        if self.is_touchable.is_empty() {
+            return false;
+        }
         let Some(closest) = self.closest(x, at, candidates) else { return false };
-        self.projection(x, &closest, at).gap(x) < 0.0
-            && !self.holds_around(&closest, |facet| self.is_touchable[facet.index()])
-            && !self.is_over_facet(x, &closest, at)
+        let is_behind = self.projection(x, &closest, at).gap(x) < 0.0;
+        let is_on_rim = self.is_on_rim(&closest);
+        if !is_behind && !is_on_rim {
+            return false;
+        }
+        let [height, size] = self.height_and_size(x, &closest, at);
+        let is_beside = is_on_rim && !self.is_over_facet(x, &closest, at);
+        if is_behind && is_beside && height > 0.0 {
+            return true;
+        }
+        // The same with all facets of the boundary: in front of a facet that cannot be touched the point is outside.
+        let all: Vec<_> = self.boundary.facets().collect();
+        let Some(nearest) = self.closest(x, at, &all) else { return false };
+        let is_outside = self.projection(x, &nearest, at).gap(x) > TOUCHING * size;
+        is_outside && (is_behind || nearest.1.is_closer_than(closest.1.squared_distance))
     }
 
     fn boundary(&self) -> Option<&BoundaryMesh<D>> {

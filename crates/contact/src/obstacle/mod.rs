@@ -65,9 +65,13 @@ pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
     /// `candidates` are the facets that are searched, ignored by obstacles without facets.
     fn project(&self, x: &Point<D>, positions: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>>;
 
-    /// Returns whether a point is past the end of the obstacle: its gap is negative, but the closest point lies on the
-    /// rim of the facets that can be touched, where the sign has no meaning. Such a point at the start of a step is not
-    /// in contact during this step.
+    /// Returns whether a point is past the end of the facets that can be touched, where the gap to them has no meaning:
+    ///
+    /// - the gap is negative, but the point is outside of the surface, in front of a facet that cannot be touched;
+    /// - the gap is negative, and the point is past the rim in front of the plane of the facet;
+    /// - the closest point is on the rim, and a facet that cannot be touched is closer.
+    ///
+    /// Such a point at the start of a step is not in contact during this step.
     fn is_past_end(&self, _x: &Point<D>, _positions: Positions<'_, D>, _candidates: &[FacetId]) -> bool {
         false
     }

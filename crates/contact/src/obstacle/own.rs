@@ -1,6 +1,6 @@
 //! The boundary of a body as an obstacle to itself.
 
-use mesh::search::facet_distance;
+use mesh::search::facets_are_within;
 use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, facet_normal};
 
 use super::{DeformableObstacle, Obstacle, Projection};
@@ -50,7 +50,7 @@ impl<const D: usize> OwnSurface<D> {
         let corners = |positions| [facet, other].map(|facet| Placed::new(boundary, positions).facet_points(facet));
         let undeformed = corners(&self.reference);
         let [here, there] = undeformed.each_ref().map(|corners| &corners[..D]);
-        if facet_distance(here, there) <= self.exempt {
+        if facets_are_within(self.exempt, here, there) {
             return false;
         }
         let (before, now) = (Facing::new(&undeformed), Facing::new(&corners(positions)));

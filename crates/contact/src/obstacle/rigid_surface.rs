@@ -58,6 +58,7 @@ impl<const D: usize> Obstacle<D> for RigidSurface<D> {
 
 #[cfg(test)]
 mod tests {
+    use mesh::VertexId;
     use mesh::generate::structured_box;
 
     use super::super::check_obstacle;
@@ -79,16 +80,42 @@ mod tests {
         RigidSurface::new(surface, facets, square.vertices().to_vec()).expect("facets")
     }
 
+    /// Returns the obstacle with some sides of a polygon, given by its corners. Side `k` ends at corner `k + 1`.
+    fn sides(corners: &[[f64; 2]], touchable: &[usize]) -> RigidSurface<2> {
+        let n = corners.len();
+        let facets = (0..n).flat_map(|k| [VertexId::new(k), VertexId::new((k + 1) % n)]).collect();
+        let positions = corners.iter().map(|x| Point::<2>::from(*x)).collect();
+        let touchable = touchable.iter().map(|k| FacetId::new(*k)).collect();
+        RigidSurface::new(BoundaryMesh::from_facets(facets), touchable, positions).expect("a polygon")
+    }
+
+    /// Checks which points are past the end of an obstacle.
+    fn check_ends(obstacle: &RigidSurface<2>, touching: &[[f64; 2]], past: &[[f64; 2]]) {
+        for (points, expected) in [(touching, false), (past, true)] {
+            for x in points {
+                let found = obstacle.is_past_end(&(*x).into(), Positions::Fixed(&[]), &obstacle.surface.facets);
+                assert_eq!(found, expected, "{x:?}");
+            }
+        }
+    }
+
     #[test]
     fn points_past_the_ends_of_a_wall_do_not_touch_it() {
-        let is_past_end = |x: [f64; 2]| floor().is_past_end(&x.into(), Positions::Fixed(&[]), &floor().surface.facets);
-        for over in [[0.5, -0.1], [0.5, 0.1], [0.0, -0.1], [1.0, -0.1], [0.9, 0.3]] {
-            assert!(!is_past_end(over), "{over:?}");
-        }
-        // The normal at the corner is the mean of two sides, one of which is not a part of the wall.
-        for past in [[1.1, -0.2], [1.1, 0.02], [-0.1, -0.01]] {
-            assert!(is_past_end(past), "{past:?}");
-        }
+        // The floor of a container whose right side is open.
+        check_ends(&floor(), &[[0.5, -0.1], [0.5, 0.1], [0.0, -0.1], [1.0, -0.1], [0.9, 0.3]], &[[1.1, 0.02]]);
+        // The top of a step: in front of its side, above the corner, inside.
+        let step = sides(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [0.0, 0.5]], &[2]);
+        check_ends(
+            &step,
+            &[[1.02, 0.6], [0.9, 0.45], [0.999, 0.3], [0.5, 0.6]],
+            &[[1.02, 0.45], [1.1, 0.45], [1.02, 0.49]],
+        );
+        // The top of a thin shelf, from below.
+        let shelf = sides(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.1], [0.0, 0.1]], &[2]);
+        check_ends(&shelf, &[[0.5, 0.05], [0.5, 0.2]], &[[0.5, -0.02], [0.97, -0.02]]);
+        // Half of a bowl, whose left side is a plane of symmetry.
+        let bowl = sides(&[[0.0, -1.0], [1.0, -1.0], [1.0, 0.5], [0.0, 0.0]], &[2]);
+        check_ends(&bowl, &[[0.0, -0.05], [1e-3, -0.05], [0.0, 0.05], [0.2, 0.0]], &[]);
     }
 
     /// A point far behind a wall has a smaller gap than a near one in front of it. Beyond the ends of the wall gaps

@@ -58,6 +58,15 @@ pub(crate) fn warn(line: &str) {
     _ = writeln!(std::io::stderr(), "{line}");
 }
 
+/// Properties of a run on which the advice after a failure depends.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Traits {
+    /// Whether the run has contacts.
+    pub(crate) has_contacts: bool,
+    /// Whether steps have neither inertia nor a fluid.
+    pub(crate) is_static: bool,
+}
+
 /// Cause of the failure of a command.
 pub(crate) enum Failure {
     /// Input that cannot be run, or a run that failed.
@@ -65,7 +74,7 @@ pub(crate) enum Failure {
         /// The error.
         error: Error,
         /// Whether the run has contacts.
-        has_contacts: bool,
+        traits: Traits,
     },
     /// The page of a run cannot be written.
     #[cfg(feature = "report")]
@@ -74,7 +83,7 @@ pub(crate) enum Failure {
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
-        Self::Run { error, has_contacts: false }
+        Self::Run { error, traits: Traits::default() }
     }
 }
 
@@ -125,7 +134,7 @@ impl Failure {
     /// Returns the error with its causes, and the history of residuals if Newton's method failed.
     pub(crate) fn explain(&self) -> String {
         match self {
-            Self::Run { error: Error::Step(step), has_contacts } => chain(step) + &advice(step, *has_contacts),
+            Self::Run { error: Error::Step(step), traits } => chain(step) + &advice(step, *traits),
             Self::Run { error: error @ Error::Interrupted { .. }, .. } => error.to_string(),
             Self::Run { error, .. } => chain(error),
             #[cfg(feature = "report")]
@@ -150,7 +159,7 @@ fn chain(error: &dyn std::error::Error) -> String {
 }
 
 /// Returns the keys of the scenario that may help, and the history of residuals if Newton's method failed.
-fn advice(step: &solver::StepError, has_contacts: bool) -> String {
+fn advice(step: &solver::StepError, traits: Traits) -> String {
     let newton = match &step.source {
         solver::Error::Newton(newton) => newton,
         solver::Error::Multipliers { contact, .. } => {
@@ -161,15 +170,16 @@ fn advice(step: &solver::StepError, has_contacts: bool) -> String {
         _ => return String::new(),
     };
     let mut text = String::new();
-    if matches!(newton, NewtonError::Linear { source: LinearError::Singular { .. }, .. }) {
+    if traits.is_static && matches!(newton, NewtonError::Linear { source: LinearError::Singular { .. }, .. }) {
         text += "\n  with quasi-static steps and without a fluid, nothing but supports and contacts in action determines where a body is: \
-                 hold its motions, or give contact an `offset` above the gap at the start; otherwise try a smaller `time.step`";
+                 hold it by `body.boundary` (elastic) or `body.motion.held` (rigid), or give contact an `offset` above the gap at the start; \
+                 otherwise try a smaller `time.step`";
     } else if step.source.smaller_step_may_succeed() {
         text += "\n  a step that fails is halved up to `time.most_halvings` times; try a smaller `time.step`, or more \
                  `solver.newton.max_iterations`";
     }
     let report = newton.report();
-    text += stagnation(&report.residual_history, has_contacts);
+    text += stagnation(&report.residual_history, traits.has_contacts);
     if !report.residual_history.is_empty() {
         text += "\n  iteration   relative residual   relative correction";
     }

@@ -7,13 +7,13 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use cutwater::io::scenario::Quantity;
+use cutwater::io::scenario::{Quantity, TimeSchemeChoice};
 use cutwater::io::{Begin, Error, Progress, RunOptions, ScenarioFile, Sizes, StepProgress, Summary, default_directory};
 #[cfg(feature = "report")]
 use cutwater::report::Recorder;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Failure, INTERRUPTED, building, print_or_ignore, warn};
+use super::{Failure, INTERRUPTED, Traits, building, print_or_ignore, warn};
 use crate::RunArguments;
 
 /// Time between two lines of progress without a terminal.
@@ -70,7 +70,10 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
                 console
                     .warning(&format!("the files in {shown} are complete up to step {}", step.step.saturating_sub(1)));
             }
-            let failure = Failure::Run { error, has_contacts: !file.scenario().contact.is_empty() };
+            let scenario = file.scenario();
+            let is_static = scenario.fluid.is_none() && *scenario.time.scheme == TimeSchemeChoice::QuasiStatic;
+            let failure =
+                Failure::Run { error, traits: Traits { has_contacts: !scenario.contact.is_empty(), is_static } };
             console.log(&failure.explain());
             Err(failure)
         }
@@ -291,7 +294,7 @@ fn overlap(summary: &Summary) -> Option<String> {
 /// Energy that steps generate, or lose in contact, relative to the energies of the run, above which the summary warns.
 const MUCH_ENERGY: f64 = 0.05;
 /// Change of the volume of closed regions, relative to that at the start, above which the summary warns.
-const MUCH_CHANGE: f64 = 0.01;
+const MUCH_CHANGE: f64 = 0.05;
 /// Share of divided steps at and above which the summary advises a shorter step.
 const MANY: f64 = 0.05;
 

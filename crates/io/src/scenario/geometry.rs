@@ -312,7 +312,11 @@ pub(super) fn expected_cells<const D: usize>(shape: &Shape) -> Option<(f64, &'st
     match shape {
         Shape::Ball { radius, size, .. } => Some((measure_of_ball(*radius) * per_measure(*size), "size")),
         Shape::HalfBall { radius, size, .. } => Some((0.5 * measure_of_ball(*radius) * per_measure(*size), "size")),
-        Shape::Box { n: Some(n), .. } => Some((n.iter().map(|n| *n as f64).product(), "n")),
+        Shape::Box { n: Some(n), .. } => {
+            // A brick has `D!` simplices.
+            let of_brick: usize = (1..=D).product();
+            Some((n.iter().map(|n| *n as f64).product::<f64>() * of_brick as f64, "n"))
+        }
         Shape::Box { min, max, size: Some(size), .. } => {
             Some(((max.vector::<D>() - min.vector::<D>()).product().abs() * per_measure(*size), "size"))
         }

@@ -64,7 +64,7 @@ pub(super) fn check_surfaces<const D: usize>(
     Ok(())
 }
 
-/// Checks that every body has a vertex in the domain, that no body covers the domain, and that no two bodies overlap.
+/// Checks that every body is in the box around the domain, that no body covers the domain, and that no two bodies overlap.
 pub(super) fn check_placement<const D: usize>(
     given: &[At<BodyKeys>],
     setup: &Setup<D>,
@@ -90,12 +90,12 @@ pub(super) fn check_placement<const D: usize>(
         )));
     }
     for (k, (body, positions)) in setup.bodies.iter().zip(positions).enumerate() {
-        if !positions.iter().any(|x| domain.contains(x)) {
+        if !Aabb::of_points(positions).overlaps(&domain) {
             let name = body.name();
             let span = |Aabb { low, high }: Aabb<D>| format!("from {:?} to {:?}", low.as_slice(), high.as_slice());
             let (of_body, of_background) = (span(Aabb::of_points(positions)), span(domain));
             let message = format!(
-                "no vertex of body `{name}` lies in the domain: the body extends {of_body}, the background {of_background}; move it, or enlarge the \
+                "body `{name}` is outside of the domain: the body extends {of_body}, the background {of_background}; move it, or enlarge the \
                  background; if a mesh file has another unit of length, give it a `scale`"
             );
             return Err(at(k).invalid(message));

@@ -220,7 +220,7 @@ fn bodies_may_stick_out_but_not_be_away() {
         walls.warnings
     );
     assert!(walls.lines.contains(&walls.warnings[0]));
-    let words = ["no vertex of body `ball`", "move it", "`scale`"];
+    let words = ["body `ball` is outside of the domain", "move it", "`scale`"];
     expect("centre = [0.0, 10.0]", "centre = [20.0, 10.0]", "body.0.shape", &words);
 }
 

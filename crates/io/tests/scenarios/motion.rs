@@ -331,7 +331,7 @@ fn a_cylinder_that_moves_as_prescribed_pushes_an_elastic_bar() {
 #[test]
 fn bodies_are_placed_where_they_are_at_the_start() {
     let away = r#"{ kind = "formula", displacement = ["3 + t", "0"] }"#;
-    expect(away, "", "shape  = {", "body.0.shape", &["no vertex of body `cylinder`"]);
+    expect(away, "", "shape  = {", "body.0.shape", &["body `cylinder` is outside of the domain"]);
     let file = moving(r#"{ kind = "formula", displacement = ["0.35", "0"] }"#, BAR, &[]);
     assert!(sizes(&file).expect_err("on the bar").to_string().contains("overlap"));
 }

@@ -143,29 +143,29 @@ impl<const D: usize> Foot<D> {
     }
 }
 
-/// Returns the distance between two facets, each given by `D` vertices; zero up to round-off if they cross. It is the
+/// Returns whether the distance between two facets, each given by `D` vertices, is at most `distance`. It is the
 /// smallest distance of a vertex of either facet from the other facet, of an edge from an edge, and in 3D of the point
 /// where an edge crosses the plane of the other facet from that facet.
-pub fn facet_distance<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> f64 {
+pub fn facets_are_within<const D: usize>(distance: f64, a: &[Point<D>], b: &[Point<D>]) -> bool {
+    squared_distances(a, b).any(|squared| squared <= distance * distance)
+}
+
+/// Returns squared distances of points of two facets, of which the smallest one is that of the facets, up to round-off.
+fn squared_distances<'f, const D: usize>(a: &'f [Point<D>], b: &'f [Point<D>]) -> impl Iterator<Item = f64> + 'f {
     let from = |facet: &[Point<D>], x: &Point<D>| Foot::on_facet(x, facet).squared_distance;
-    let mut smallest = a.iter().map(|x| from(b, x)).chain(b.iter().map(|x| from(a, x))).fold(f64::INFINITY, f64::min);
+    let of_vertices = a.iter().map(move |x| from(b, x)).chain(b.iter().map(move |x| from(a, x)));
     // A segment is its own edge.
-    let n_edges = D * (D - 1) / 2;
-    let edge = |facet: &[Point<D>], k: usize| [facet[k], facet[(k + 1) % D]];
-    for (i, j) in (0..n_edges).flat_map(|i| (0..n_edges).map(move |j| (i, j))) {
-        smallest = smallest.min(squared_distance_of_lines(edge(a, i), edge(b, j)));
-    }
-    for (facet, other) in [(a, b), (b, a)] {
+    let edges = |facet: &'f [Point<D>]| (0..D * (D - 1) / 2).map(|k| [facet[k], facet[(k + 1) % D]]);
+    let of_edges = edges(a).flat_map(move |edge| edges(b).map(move |other| squared_distance_of_lines(edge, other)));
+    let of_crossings = [(a, b), (b, a)].into_iter().flat_map(move |(facet, other)| {
         let normal = facet_normal(facet);
-        for [from_point, to_point] in (0..n_edges).map(|k| edge(other, k)) {
+        edges(other).filter_map(move |[from_point, to_point]| {
             let [before, after] = [from_point, to_point].map(|x| (x - facet[0]).dot(&normal));
-            if before * after < 0.0 {
-                smallest =
-                    smallest.min(from(facet, &(from_point + (to_point - from_point) * (before / (before - after)))));
-            }
-        }
-    }
-    smallest.sqrt()
+            let crossing = || from_point + (to_point - from_point) * (before / (before - after));
+            (before * after < 0.0).then(|| from(facet, &crossing()))
+        })
+    });
+    of_vertices.chain(of_edges).chain(of_crossings)
 }
 
 /// Returns the squared distance between the lines through two segments if both closest points lie inside of the

@@ -6,5 +6,5 @@ mod parry;
 mod surface;
 
 pub use cells::CellIndex;
-pub use closest::{Feature, Foot, VertexToFacet, facet_distance};
+pub use closest::{Feature, Foot, VertexToFacet, facets_are_within};
 pub use surface::{ClosestPoint, SurfaceIndex};

@@ -10,7 +10,7 @@ use solver::algebra::{
     LinearSystem, NewtonSettings, Workspace,
 };
 use solver::body::Body;
-use solver::contact::{self, AugmentedLagrangianLaw, ContactForm, PenaltyLaw, RigidPlane};
+use solver::contact::{self, AugmentedLagrangianLaw, CollisionLaw, ContactForm, PenaltyLaw, RigidPlane, RigidSurface};
 use solver::mesh::generate::{Size, graded_box, structured_box};
 use solver::mesh::{BodyId, FacetId, SimplexMesh, Vector};
 use solver::{Contact, ContactObstacle, Error, FluidBoundary, Setup, State, Substep, TimeLoop, advance};
@@ -537,4 +537,47 @@ fn a_guided_body_is_free_after_its_release() {
     assert!((motion(&state, 0).centre[0] - 0.3).abs() < 1e-12 && (motion(&state, 0).centre[1] - 1.0).abs() < 1e-12);
     let (state, _) = run(&setup, 8);
     assert!((motion(&state, 0).velocity - V::new(1.0, -0.9)).norm() < 1e-12);
+}
+
+/// Checks a block that falls close to the side of a step whose top alone is an obstacle.
+fn beside_a_step<const D: usize>() {
+    let block_of = |low: [f64; 2], high: [f64; 2]| {
+        let corner = |ends: [f64; 2], others: f64| {
+            std::array::from_fn(|a| {
+                if a == 0 {
+                    ends[0]
+                } else if a + 1 == D {
+                    ends[1]
+                } else {
+                    others
+                }
+            })
+        };
+        structured_box::<D>(corner(low, 0.0), corner(high, 1.0), [2; D]).expect("a box")
+    };
+    let step = block_of([0.0, 0.0], [1.0, 0.5]);
+    let surface = step.boundary();
+    let top = surface.facets().filter(|f| surface.tag(*f) == step.tag("top")).collect();
+    let obstacle = RigidSurface::new(surface, top, step.vertices().to_vec()).expect("a surface");
+    let penalty = || ContactForm::new(PenaltyLaw::new(1e4, 0.1).expect("a law"), 0.1).expect("one");
+    let collision = || ContactForm::new(CollisionLaw::new(0.5, 0.1).expect("a law"), 0.1).expect("one");
+    let forms: [&dyn Fn() -> ContactForm<D>; 2] = [&penalty, &collision];
+    for form in forms {
+        let mut body = rigid("block", &block_of([1.02, 0.2], [1.5, 0.45]), 2.0, Vector::zeros());
+        let down = Vector::<D>::from_fn(|a, _| if a + 1 == D { -0.5 } else { 0.0 });
+        body.initial_velocity = down;
+        let mut setup = dry(vec![Arc::new(body)], 0.01);
+        let facets = setup.bodies[0].surface().facets().collect();
+        let obstacle = ContactObstacle::Rigid(Box::new(obstacle.clone()));
+        setup.contacts.push(Contact::new(&setup.bodies, BodyId(0), facets, form(), obstacle).expect("a contact"));
+        let (state, _) = run(&setup, 5);
+        let found = motion(&state, 0).velocity;
+        assert!((found - down).norm() < 1e-12, "{found}");
+    }
+}
+
+#[test]
+fn a_body_beside_a_step_does_not_touch_its_top() {
+    beside_a_step::<2>();
+    beside_a_step::<3>();
 }
