@@ -74,7 +74,8 @@ impl Energies {
         let of_fluid = report.fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy);
         self.largest = self.largest.max(of_bodies.sum::<f64>() + of_contacts + of_fluid);
         self.largest_line = self.largest_line.max(report.ledger.largest_line());
-        let (gain, defect) = (-report.ledger.dissipation(), report.ledger.defect().abs());
+        let inflow = report.fluid.as_ref().map_or(0.0, |fluid| fluid.inflow_energy);
+        let (gain, defect) = (-report.ledger.dissipation() - inflow, report.ledger.defect().abs());
         let is_active = |collides: bool| {
             let mut contacts = report.contacts.iter().zip(&self.collides);
             contacts.any(|(contact, is_collision)| contact.n_active > 0 && *is_collision == collides)

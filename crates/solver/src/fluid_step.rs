@@ -3,16 +3,16 @@
 use std::time::Instant;
 
 use algebra::time::{Affine, Level};
-use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral, power};
+use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral, Sites as _, power};
 use body::{BodyStep, StepTime};
 use cutcell::CutMesh;
 use fluid_ns::terms::{
     Backflow, BodyForce, Cavitation, CipPressure, CipVelocity, Convection, Film, GhostPenalty, Hoop, HoopConvection,
     Incompressibility, Inertia, Traction, Viscous,
 };
-use fluid_ns::{FilmSurfaces, FilmValues, FluidFields, FluidForm, FluidGeometry, OpenBoundary};
+use fluid_ns::{FilmSurfaces, FilmValues, FluidFields, FluidForm, FluidGeometry, OpenBoundary, OpenPoint};
 use interface_dg::{InterfacePoints, MortarForm, PieceValues};
-use mesh::{Aabb, Point, Vector, facet_normal};
+use mesh::{Aabb, Point, Tag, Vector, facet_normal};
 use xfem_space::{
     BoundaryPoint, FaceValue, PartValues, Sources, XfemSpace, boundary_dofs, boundary_points, face_values,
     symmetry_values,
@@ -225,6 +225,31 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             backflow.as_ref().map_or(0.0, |term| power(&Integral::linear("backflow", points, vec![term]), x))
         };
         self.open_boundaries.iter().map(of_terms).sum()
+    }
+
+    /// Returns the kinetic energy that fluid brings in during the step through sides without the term for inflow. It is
+    /// a part of the work of convection.
+    pub(crate) fn inflow_energy(&self, layout: &BlockLayout, x: &[f64]) -> f64 {
+        let (geometry, fields, density) = (self.geometry(), self.fields(layout), self.setup.material.density);
+        let of_side = |(tag, condition): &(Tag, FluidBoundary<D>)| {
+            let has_energy = match condition {
+                FluidBoundary::Velocity(_) | FluidBoundary::Parallel { .. } => true,
+                FluidBoundary::Open { backflow, .. } => !backflow,
+                FluidBoundary::NoSlip | FluidBoundary::Symmetry { .. } => false,
+            };
+            if !has_energy || self.setup.convection.is_none() {
+                return 0.0;
+            }
+            let points = &boundary_points(&self.setup.background, &self.cut, *tag, BOUNDARY_DEGREE);
+            let (sites, mut power) = (OpenBoundary { geometry, fields, points }, 0.0);
+            for item in 0..sites.len() {
+                sites.visit(item, x, |OpenPoint { at, velocity: u, .. }| {
+                    power -= 0.5 * density * at.weight * u.norm_squared() * u.dot(&at.normal).min(0.0);
+                });
+            }
+            power
+        };
+        self.time.length * self.setup.boundary.iter().map(of_side).sum::<f64>()
     }
 
     /// Constrains the velocity on the boundary such that its values at the end of the step are the given ones. At a

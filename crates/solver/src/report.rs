@@ -96,6 +96,9 @@ pub struct FluidReport<const D: usize> {
     /// Largest net flow that given velocities let into a pocket or out of it, relative to its volume, 1/time; negative
     /// if the pocket shrinks. The fluid has nowhere to go, so that this flow ends in a source at one vertex.
     pub pocket_source: f64,
+    /// Kinetic energy that fluid brings in during the step through sides with a given velocity or parallel flow, and
+    /// through open ones without a term for inflow.
+    pub inflow_energy: f64,
 }
 
 /// Diagnostics of one time step.
@@ -140,6 +143,7 @@ impl<const D: usize> Problem<'_, D> {
             n_uncovered: fluid.sources.n_uncovered(),
             n_pockets: step.pockets.len(),
             pocket_source: step.pocket_source(fluid, &residual),
+            inflow_energy: fluid.inflow_energy(&step.layout, x),
         });
         let positions = |id: BodyId| ends[id.index()].positions(step.setup.bodies[id.index()].reference());
         let contact = |(contact, sites): (&Contact<D>, &ContactSites<'_, D>)| {

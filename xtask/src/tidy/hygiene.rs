@@ -13,10 +13,10 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
     (&["crates/io/src"], 13_470),
     (&["crates/report/src"], 1590),
-    (&["crates/solver/src"], 3_560),
+    (&["crates/solver/src"], 3_590),
     (&["validation"], 14_020),
     (&["xtask/src"], 2420),
-    (&[""], 82_800),
+    (&[""], 82_900),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

@@ -201,7 +201,8 @@ fn stagnation(residuals: &[f64], has_contacts: bool) -> &'static str {
         }
         (true, true) => {
             "\n  the residuals no longer fall; if bodies touch, contact opens and closes in turn: use cells of similar size, a larger `offset`, or \
-             the penalty law, and of two bodies make the other one the slave (`body` and `obstacle` in place of `pair`)"
+             the penalty law, and of two bodies make the other one the slave (`body` and `obstacle` in place of `pair`); give walls that meet in a corner \
+             contacts of their own"
         }
     }
 }

@@ -562,3 +562,25 @@ fn the_outside_of_a_plane_of_symmetry_is_that_of_its_side() {
         &["body.0.shape", "through a plane of symmetry"],
     );
 }
+
+/// A jet into a chamber, by a given velocity and by a pressure: its kinetic energy comes from outside.
+#[test]
+fn the_energy_of_an_inflow_is_not_generated_by_steps() {
+    for inlet in
+        ["kind = \"inflow\", profile = \"parabolic\", maximum = 3.0, ramp = 0.1", "kind = \"parallel\", pressure = 6.0"]
+    {
+        let text = format!(
+            "name = \"jet\"\ndimension = 2\nunits = \"si\"\ntime = {{ step = 0.02, end = 0.4 }}\n\
+             fluid = {{ density = 1.0, viscosity = 0.002 }}\noutput = {{ vtk_every = 0 }}\n[background]\nkind = \"polygon\"\nsize = 0.2\n\
+             corners = [[0, 0], [1, 0], [1, -1], [3, -1], [3, 1.5], [1, 1.5], [1, 0.5], [0, 0.5]]\n[background.boundary]\nside-8 = {{ {inlet} }}\n\
+             side-4 = \"free\"\nside-1 = \"no-slip\"\nside-2 = \"no-slip\"\nside-3 = \"no-slip\"\nside-5 = \"no-slip\"\nside-6 = \"no-slip\"\n\
+             side-7 = \"no-slip\"\n"
+        );
+        let summary = results(&legal(&text, &[]), &fresh_directory("jet"));
+        assert!(
+            summary.energy_generated.is_some_and(|generated| generated < 1e-3),
+            "{inlet} {:?}",
+            summary.energy_generated
+        );
+    }
+}
