@@ -205,7 +205,7 @@ impl<const D: usize> Problem<'_, D> {
         // A run may begin in contact: bodies that do not move keep the positions at which contact acts.
         let rest = vec![0.0; x.len()];
         let of_start = |sites: &ContactSites<'_, D>| sites.stored_energy(&rest);
-        // The first step may be divided: its parts have its number.
+        // If the first step is divided, `before.step` is zero in all of its parts.
         let is_first = before.time == 0.0;
         let contact_before = if is_first { self.contacts.iter().map(of_start).sum() } else { before.contact_energy };
         let contact = by_laws + step.collisions.iter().flatten().map(|collision| work(collision)).sum::<f64>();
