@@ -19,6 +19,9 @@ pub struct FluidFace<'a, const D: usize> {
     /// Smaller share `χ` of the films in the two parts; zero if one of them has no film. The factor `1 - χ` reduces
     /// penalties, which otherwise suppress gradients of pressure and shear across a film of a few cells.
     pub film: f64,
+    /// The same for the penalty of the pressure. Where a film ends at an edge it is the larger share: the gradient of
+    /// the pressure ends there, too.
+    pub film_of_pressure: f64,
 }
 
 impl<'a, const D: usize> FluidFace<'a, D> {
@@ -26,7 +29,9 @@ impl<'a, const D: usize> FluidFace<'a, D> {
     pub fn new(value: &'a FaceValue<D>, known_velocity: &[Vector<D>], films: Option<&FilmValues<D>>) -> Self {
         let share = |part: &PartId| films.and_then(|films| films.of(*part)).map_or(0.0, |film| film.share);
         let film = value.parts.iter().map(share).fold(1.0, f64::min);
-        let mut face = Self { value, normal_speed: 0.0, speed: 0.0, film };
+        let at_edge = |part: &PartId| films.and_then(|films| films.of(*part)).filter(|film| film.at_edge);
+        let film_of_pressure = value.parts.iter().filter_map(at_edge).map(|film| film.share).fold(film, f64::max);
+        let mut face = Self { value, normal_speed: 0.0, speed: 0.0, film, film_of_pressure };
         for &dof in value.face_dofs() {
             let u = known_velocity[dof as usize];
             face.normal_speed = face.normal_speed.max(u.dot(&value.normal).abs());

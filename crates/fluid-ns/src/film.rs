@@ -6,16 +6,21 @@ use mesh::{
     Aabb, BoundaryMesh, FacetId, Placed, Point, Simplex, SimplexMesh, Tag, Vector, VertexId, facet_normal,
     simplex_measure,
 };
-use xfem_space::PartValues;
+use xfem_space::{PartValues, XfemSpace};
 
 /// Two surfaces are opposite if the scalar product of their unit normals is below this value: one normal and the
 /// reverse of the other one enclose less than 60 degrees.
 const OPPOSITE: f64 = -0.5;
+/// A point is in front of a facet if the scalar product of the unit normal and the direction from the closest point of
+/// the facet to the point is at least this value: they enclose less than 60 degrees.
+const FRONT: f64 = 0.5;
 /// Gaps, relative to the extent of the cell across the film, up to which the share `χ` is one and from which it is
 /// zero. It is linear between them. Two layers of cells carry 3/4 of the flux of a film, four layers 15/16.
-const RAMP: [f64; 2] = [2.0, 4.0];
+pub(crate) const RAMP: [f64; 2] = [2.0, 4.0];
 /// Largest fraction of the flux in a part that slip may carry. With the standard parameters it carries at most 0.69.
 const LARGEST_SLIP: f64 = 0.75;
+/// Fraction of the component across a film that acts in its last part.
+const ACROSS: f64 = 0.1;
 /// Degree of quadrature of the conductance: the square of a linear gap.
 const DEGREE: usize = 2;
 
@@ -52,25 +57,45 @@ impl<const D: usize> FilmSurfaces<D> {
         Self { index: SurfaceIndex::new(&Placed::new(&BoundaryMesh::from_facets(facets), &positions)), normals }
     }
 
-    /// Returns the gap at a point of the fluid, and the normal of the closest surface; `None` without two opposite
-    /// facets.
+    /// Collects the facets whose bounding boxes overlap a region, in place of the previous ones.
+    pub(crate) fn facets_near(&self, region: &Aabb<D>, near: &mut Vec<FacetId>) {
+        self.index.facets_overlapping(region, near);
+    }
+
+    /// Returns the feet of a point of the fluid on the closest facet and on the closest facet opposite to it; `None`
+    /// without two opposite facets.
     ///
-    /// The gap is the distance from the closest facet plus the distance from the closest facet opposite to it. Only the
-    /// facets `near` are considered that have the point in front of them.
-    fn gap(&self, x: &Point<D>, near: &[FacetId]) -> Option<(f64, Vector<D>)> {
+    /// Only the facets `near` are considered that have the point in front of them, so that a film ends near the edge of
+    /// a surface.
+    pub(crate) fn feet(&self, x: &Point<D>, near: &[FacetId]) -> Option<[FilmFoot<D>; 2]> {
         let surface = self.index.surface();
-        let distance = |facet: &FacetId| {
+        let in_front = |facet: &FacetId| {
             let (foot, normal) = (Foot::on_facet(x, &surface.facet_points(*facet)[..D]), self.normals[facet.index()]);
-            ((x - foot.point).dot(&normal) >= 0.0).then_some((foot.squared_distance, normal))
+            let distance = foot.squared_distance.sqrt();
+            let is_in_front = (x - foot.point).dot(&normal) >= FRONT * distance;
+            is_in_front.then_some(FilmFoot { point: foot.point, distance, normal })
         };
         let closest = |of: &dyn Fn(&Vector<D>) -> bool| {
             let facets = near.iter().filter(|facet| of(&self.normals[facet.index()]));
-            facets.filter_map(distance).min_by(|a, b| a.0.total_cmp(&b.0))
+            facets.filter_map(in_front).min_by(|a, b| a.distance.total_cmp(&b.distance))
         };
-        let (here, normal) = closest(&|_| true)?;
-        let (opposite, _) = closest(&|other| other.dot(&normal) < OPPOSITE)?;
-        Some((here.sqrt() + opposite.sqrt(), normal))
+        let here = closest(&|_| true)?;
+        let opposite = closest(&|other| other.dot(&here.normal) < OPPOSITE)?;
+        Some([here, opposite])
     }
+}
+
+/// The point of a facet that is closest to a point in a film.
+pub(crate) struct FilmFoot<const D: usize> {
+    pub(crate) point: Point<D>,
+    pub(crate) distance: f64,
+    /// Unit normal of the facet.
+    pub(crate) normal: Vector<D>,
+}
+
+/// Returns the gap between two feet of a point: the sum of its distances.
+pub(crate) fn gap<const D: usize>(feet: &[FilmFoot<D>; 2]) -> f64 {
+    feet[0].distance + feet[1].distance
 }
 
 /// A film in a fluid part.
@@ -86,8 +111,27 @@ pub struct FilmPart<const D: usize> {
     pub layer: f64,
     /// Quadrature points in the part and on its surfaces. Their weights contain the conductance times the viscosity:
     /// `χ max(d, min(k, h))²/12` in the part and `-χ s ℓ d²/12` on surfaces, with the symbols of
-    /// [`crate::terms::Film`]. The sum of the weights on surfaces is at most three quarters of the sum in the part.
+    /// [`crate::terms::Film`], times a factor in the last part of a film that ends at an edge. The sum of the weights
+    /// on surfaces is at most three quarters of the sum in the part.
     pub points: Vec<(Point<D>, f64)>,
+    /// Whether the film ends at an edge, and some vertices of the part are in the open fluid behind it.
+    pub at_edge: bool,
+}
+
+impl<const D: usize> FilmPart<D> {
+    /// Returns what acts of a gradient or a force: all of it, except in the last part of a film that ends at an edge.
+    /// There vertices on both sides of the film may have the pressure of open fluid, and a tenth of the component
+    /// across the film acts, which is enough to determine the pressure.
+    #[inline]
+    pub fn acting(&self, v: Vector<D>) -> Vector<D> {
+        if self.at_edge { v - self.normal * ((1.0 - ACROSS) * v.dot(&self.normal)) } else { v }
+    }
+
+    /// Marks the part as the last one of a film and multiplies its conductance by a factor.
+    pub(crate) fn end_with(&mut self, factor: f64) {
+        self.at_edge = true;
+        self.points.iter_mut().for_each(|(_, weight)| *weight *= factor);
+    }
 }
 
 /// The films of all parts of a cut.
@@ -110,6 +154,7 @@ impl<const D: usize> FilmValues<D> {
     pub fn new(
         background: &SimplexMesh<D>,
         cut: &CutMesh<D>,
+        space: &XfemSpace<D>,
         parts: &PartValues<D>,
         surfaces: &FilmSurfaces<D>,
         roughness: f64,
@@ -119,8 +164,9 @@ impl<const D: usize> FilmValues<D> {
         for part in cut.all_parts() {
             let simplex = background.simplex(cut.part_cell(part));
             let reach = RAMP[1] * simplex.diameter();
-            surfaces.index.facets_overlapping(&Aabb::of_points(simplex.points()).expanded(reach), &mut near);
-            let Some((gap, normal)) = surfaces.gap(&centroid(&simplex, parts, part), &near) else { continue };
+            surfaces.facets_near(&Aabb::of_points(simplex.points()).expanded(reach), &mut near);
+            let Some(feet) = surfaces.feet(&centroid(&simplex, parts, part), &near) else { continue };
+            let (gap, normal) = (gap(&feet), feet[0].normal);
             let height = extent(simplex.points(), &normal);
             let share = ((RAMP[1] * height - gap) / ((RAMP[1] - RAMP[0]) * height)).clamp(0.0, 1.0);
             if share <= 0.0 {
@@ -133,13 +179,14 @@ impl<const D: usize> FilmValues<D> {
             let layer = if corners.is_empty() { height } else { extent(&corners, &normal).min(height) };
             let mut points = Vec::new();
             parts.for_each_point(background, cut, part, DEGREE, |x, weight, _| {
-                let gap = surfaces.gap(x, &near).map_or(gap, |(gap, _)| gap);
+                let gap = surfaces.feet(x, &near).map_or(gap, |feet| self::gap(&feet));
                 let thickness = gap.min(layer).max(roughness.min(height));
                 points.push((*x, weight * share * thickness.powi(2) / 12.0));
             });
-            values.films.push(FilmPart { share, gap, normal, layer: layer.min(gap), points });
+            values.films.push(FilmPart { share, gap, normal, layer: layer.min(gap), points, at_edge: false });
             values.of_part[part.index()] = values.films.len() as u32;
         }
+        values.extend_to_edges(background, cut, space, parts, surfaces);
         values
     }
 
@@ -185,6 +232,11 @@ impl<const D: usize> FilmValues<D> {
         self.position(part).map(|position| &self.films[position])
     }
 
+    /// Returns the film in a part for changes, if there is one.
+    pub(crate) fn of_mut(&mut self, part: PartId) -> Option<&mut FilmPart<D>> {
+        self.position(part).map(|position| &mut self.films[position])
+    }
+
     #[inline]
     fn position(&self, part: PartId) -> Option<usize> {
         (*self.of_part.get(part.index())? as usize).checked_sub(1)
@@ -192,7 +244,7 @@ impl<const D: usize> FilmValues<D> {
 }
 
 /// Returns the centroid of a part, or of its cell if its volume is negligible.
-fn centroid<const D: usize>(simplex: &Simplex<D>, parts: &PartValues<D>, part: PartId) -> Point<D> {
+pub(crate) fn centroid<const D: usize>(simplex: &Simplex<D>, parts: &PartValues<D>, part: PartId) -> Point<D> {
     let moments = parts.moments(part);
     let volume = moments.volume();
     if volume <= 0.0 {

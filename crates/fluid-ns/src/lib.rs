@@ -30,6 +30,7 @@
 mod cell;
 mod face;
 mod film;
+mod film_edges;
 mod fluid;
 mod form;
 mod geometry;

@@ -72,6 +72,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     spheres(record)?;
     cylinders(record)?;
     plates(record)?;
+    edges(record)?;
     if record.full {
         sweeps(record)?;
         parameters(record)?;
@@ -164,6 +165,43 @@ fn plates(record: &mut Record) -> Result<(), Failure> {
         record.near_relative(name, channel(gap)?, 1.0, CHANNEL);
     }
     Ok(())
+}
+
+/// Measures the force on a plate over a wall, with open fluid behind its edges.
+///
+/// The reference is Reynolds' equation with the resistance of the open fluid, which was computed on meshes with 10 and
+/// 20 cells across gaps of 1/10, 1/20 and 1/40 of the length: [`with_open_fluid`].
+fn edges(record: &mut Record) -> Result<(), Failure> {
+    let positions = if record.full { 10 } else { 3 };
+    let lengths: &[f64] = if record.full { &[10.0, 20.0, 40.0] } else { &[20.0] };
+    for &along in lengths {
+        for gap in [1.0, 0.5, 0.25, 0.1, 0.02] {
+            let ratio = |k: u32| {
+                let begins = (f64::from(k) + 0.5) / f64::from(positions);
+                Ok::<_, Failure>(plate_in_fluid(along, gap, begins)? / with_open_fluid(gap / along))
+            };
+            let ratios = (0..positions).map(ratio).collect::<Result<Vec<_>, _>>()?;
+            let off = |ratio: &f64| (ratio - 1.0).abs();
+            let worst = ratios.into_iter().max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(f64::NAN);
+            let name = format!(
+                "plate of {along} cells with open fluid behind its edges, gap of {gap} cells, worst of {positions} positions: force over the exact one"
+            );
+            record.near_relative(name, worst, 1.0, PLATES);
+        }
+    }
+    if record.full {
+        // Twenty cells across the gap are without a model of the film.
+        let ratio = plate_in_fluid(200.0, 20.0, 0.5)? / with_open_fluid(0.1);
+        let name = "plate of ten gaps, 20 cells across them: force over that of Reynolds' equation and the open fluid";
+        record.near_relative(name, ratio, 1.0, PLATES);
+    }
+    Ok(())
+}
+
+/// Returns the force on a plate over a wall with open fluid behind its edges, over that of Reynolds' equation, for a
+/// gap relative to the length.
+fn with_open_fluid(gap: f64) -> f64 {
+    1.0 + 3.8 * gap + 10.0 * gap * gap
 }
 
 /// Sweeps the gap, and the position of the mesh relative to the wall.
@@ -435,6 +473,28 @@ fn disks(gap: f64) -> Result<f64, Failure> {
     let corners = [(0.0, low), (2.0, low), (2.0, low + 0.2), (0.0, low + 0.2)].map(|(r, z)| P::new(r, z));
     setup.bodies.push(moving(corners.to_vec(), |x, _| *x, Arc::new(|_, _| V::new(0.0, -1.0))));
     Ok(solve(setup)?.1.0[1] * low.powi(3) / (1.5 * PI))
+}
+
+/// Returns the force on a plate over a wall that ends in open fluid over that of Reynolds' equation. Its length and the
+/// gap are relative to the size of a cell, and it begins at a fraction of a cell.
+fn plate_in_fluid(along: f64, gap: f64, begins: f64) -> Result<f64, Failure> {
+    let around = 4.0 * gap.max(1.0);
+    let cells = [along + 2.0 * around, 2.0 * around].map(|n| n as usize);
+    let background = structured_box::<2>([0.0; 2], cells.map(|n| n as f64), cells)?;
+    let mut fluid = flow::fluid(background, 1e-9, 1.0);
+    for side in ["left", "right", "bottom", "top"] {
+        let tag = fluid.background.tag(side).ok_or("a box has four sides")?;
+        let open = FluidBoundary::Open { traction: None, backflow: false };
+        fluid.boundary.push((tag, if side == "bottom" { FluidBoundary::NoSlip } else { open }));
+    }
+    let mut setup = flow::problem(fluid, 1e9);
+    setup.scheme = Arc::new(QuasiStatic);
+    fluid_mut(&mut setup)?.film = Some(FilmSetup::default());
+    let [from, to] = [around - 1.0 + begins, around - 1.0 + begins + along];
+    let top = gap + 0.5 * around;
+    let corners = [(from, gap), (to, gap), (to, top), (from, top)].map(|(x, y)| P::new(x, y));
+    setup.bodies.push(polygon(&[corners.to_vec()], |x, _| *x, Arc::new(|_, _| V::new(0.0, -1.0))));
+    Ok(solve(setup)?.1.0[1] * (gap / along).powi(3))
 }
 
 /// Returns the force on one of two square plates in space that approach each other over the exact one.

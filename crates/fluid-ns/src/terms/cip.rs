@@ -68,6 +68,6 @@ impl CipPressure {
     pub fn weight<const D: usize>(&self, face: &FluidFace<'_, D>) -> f64 {
         let h = face.value.diameter;
         let inverse_tau = self.density * self.rate + self.density * face.speed / h + self.viscosity / (h * h);
-        (1.0 - face.film) * self.gamma_pressure * h / inverse_tau
+        (1.0 - face.film_of_pressure) * self.gamma_pressure * h / inverse_tau
     }
 }

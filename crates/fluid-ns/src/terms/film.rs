@@ -16,6 +16,7 @@ use crate::FluidCell;
 /// see [`crate::FilmValues::subtract_slip`].
 /// Couples: pressure × pressure.   Domain: fluid parts in films, and surfaces of bodies in them.
 /// Units: volume/time (2D: per unit depth).
+/// In the last part of a film that ends at an edge, `∇p`, `f` and `∇q` are those of [`crate::FilmPart::acting`].
 /// With `g_i = ∇N_i`, `K = ∫_Ω κ - ∫_Σ κ_s`, `F = ∫_Ω κ f - ∫_Σ κ_s f`:   residual_i = g_i · (K ∇p - F),   tangent_ij =
 /// K g_i · g_j.
 pub struct Film<'a, const D: usize> {
@@ -30,13 +31,14 @@ pub struct Film<'a, const D: usize> {
 impl<const D: usize> Term<FluidCell<'_, D>> for Film<'_, D> {
     fn add(&self, cell: &FluidCell<'_, D>, out: &mut LocalSystem) {
         let Some(film) = cell.film else { return };
-        let g = &cell.gradients[..=D];
+        let g = cell.gradients.map(|g| film.acting(g));
+        let g = &g[..=D];
         let gradient: Vector<D> = g.iter().zip(&cell.pressures).map(|(g, p)| g * *p).sum();
         let (mut conductance, mut flux) = (0.0, Vector::zeros());
         for (x, weight) in &film.points {
             let weight = weight / self.viscosity;
             conductance += weight;
-            flux += self.force.map_or_else(Vector::zeros, |force| force(x, self.time) * -weight);
+            flux += self.force.map_or_else(Vector::zeros, |force| film.acting(force(x, self.time)) * -weight);
         }
         flux += gradient * conductance;
         for (i, g_i) in g.iter().enumerate() {
