@@ -6,19 +6,21 @@ use mesh::{
     Aabb, BoundaryMesh, FacetId, Placed, Point, Simplex, SimplexMesh, Tag, Vector, VertexId, facet_normal,
     simplex_measure,
 };
-use xfem_space::{PartValues, XfemSpace};
+use xfem_space::{FaceValue, PartValues, XfemSpace};
 
 /// Two surfaces are opposite if the scalar product of their unit normals is below this value: one normal and the
 /// reverse of the other one enclose less than 60 degrees.
 const OPPOSITE: f64 = -0.5;
 /// A point is in front of a facet if the scalar product of the unit normal and the direction from the closest point of
 /// the facet to the point is at least this value: they enclose less than 60 degrees.
-const FRONT: f64 = 0.5;
+pub(crate) const FRONT: f64 = 0.5;
 /// Gaps, relative to the extent of the cell across the film, up to which the share `χ` is one and from which it is
 /// zero. It is linear between them. Two layers of cells carry 3/4 of the flux of a film, four layers 15/16.
 pub(crate) const RAMP: [f64; 2] = [2.0, 4.0];
 /// Largest fraction of the flux in a part that slip may carry. With the standard parameters it carries at most 0.69.
 const LARGEST_SLIP: f64 = 0.75;
+/// Least length by which the conductance of the last part of a film is divided.
+const SHORTEST: f64 = 0.25;
 /// Fraction of the component across a film that acts in its last part.
 const ACROSS: f64 = 0.1;
 /// Degree of quadrature of the conductance: the square of a linear gap.
@@ -55,6 +57,17 @@ impl<const D: usize> FilmSurfaces<D> {
             push(points, -facet_normal(points));
         }
         Self { index: SurfaceIndex::new(&Placed::new(&BoundaryMesh::from_facets(facets), &positions)), normals }
+    }
+
+    /// Returns the vertices of a facet.
+    pub(crate) fn facet_points(&self, facet: FacetId) -> [Point<D>; D] {
+        let points = self.index.surface().facet_points(facet);
+        std::array::from_fn(|k| points[k])
+    }
+
+    /// Returns the unit normal of a facet.
+    pub(crate) fn normal(&self, facet: FacetId) -> &Vector<D> {
+        &self.normals[facet.index()]
     }
 
     /// Collects the facets whose bounding boxes overlap a region, in place of the previous ones.
@@ -127,10 +140,11 @@ impl<const D: usize> FilmPart<D> {
         if self.at_edge { v - self.normal * ((1.0 - ACROSS) * v.dot(&self.normal)) } else { v }
     }
 
-    /// Marks the part as the last one of a film and multiplies its conductance by a factor.
-    pub(crate) fn end_with(&mut self, factor: f64) {
+    /// Marks the part as the last one of a film. The conductance is divided by the length up to the edge, relative to
+    /// that in which the discrete pressure falls. It is multiplied by at most 4.
+    pub(crate) fn end_with(&mut self, length: f64) {
         self.at_edge = true;
-        self.points.iter_mut().for_each(|(_, weight)| *weight *= factor);
+        self.points.iter_mut().for_each(|(_, weight)| *weight /= length.max(SHORTEST));
     }
 }
 
@@ -156,6 +170,7 @@ impl<const D: usize> FilmValues<D> {
         cut: &CutMesh<D>,
         space: &XfemSpace<D>,
         parts: &PartValues<D>,
+        faces: &[FaceValue<D>],
         surfaces: &FilmSurfaces<D>,
         roughness: f64,
     ) -> Self {
@@ -186,7 +201,7 @@ impl<const D: usize> FilmValues<D> {
             values.films.push(FilmPart { share, gap, normal, layer: layer.min(gap), points, at_edge: false });
             values.of_part[part.index()] = values.films.len() as u32;
         }
-        values.extend_to_edges(background, cut, space, parts, surfaces);
+        values.extend_to_edges(background, cut, space, parts, faces, surfaces);
         values
     }
 

@@ -2,18 +2,17 @@
 
 use std::f64::consts::PI;
 
-use cutcell::CutMesh;
+use cutcell::{CutMesh, PartId};
+use mesh::search::Foot;
 use mesh::{Aabb, FacetId, Point, SimplexMesh, Vector, mean};
-use xfem_space::{PartValues, XfemSpace};
+use xfem_space::{FaceValue, PartValues, XfemSpace};
 
-use crate::film::{FilmSurfaces, FilmValues, RAMP, centroid, gap};
+use crate::film::{FRONT, FilmFoot, FilmSurfaces, FilmValues, RAMP, centroid, gap};
 
 /// Resistance of the open fluid behind an end, as a length of film relative to the gap: half of the pressure difference
 /// `32 μ q/(π δ²)` between the sides of a thin wall with a slit of width `δ` and the flux `q`, divided by the gradient
 /// `12 μ q/δ³` in a film. Stokes flow. Source: Hasimoto 1958, DOI 10.1143/JPSJ.13.633.
 const OPEN_FLUID: f64 = 16.0 / (12.0 * PI);
-/// Largest factor of the conductance.
-const LARGEST: f64 = 4.0;
 /// Least slope of the pressure along a film, relative to its gradient in a cell, for a direction to the end.
 const LEAST_SLOPE: f64 = 0.2;
 // Search for the end, relative to the diameter of a cell: largest distance, length of a step, and length of a step at
@@ -21,8 +20,10 @@ const LEAST_SLOPE: f64 = 0.2;
 const REACH: f64 = 2.0;
 const STEP: f64 = 0.125;
 const LEAST_STEP: f64 = 1e-3;
+/// Volume of a part relative to its cell, and distance from a facet relative to the diameter of a cell, that are zero.
+const NEGLIGIBLE: f64 = 1e-9;
 /// Number of halvings of the step in which a film ends.
-const HALVINGS: usize = 24;
+const HALVINGS: usize = 12;
 
 impl<const D: usize> FilmValues<D> {
     /// Changes the conductance in the last parts of films that end at edges.
@@ -36,43 +37,110 @@ impl<const D: usize> FilmValues<D> {
     /// `1/(|∇_τ N| (ℓ + 0.42 δ))`,
     ///
     /// with which the difference of the pressures is that of the whole film for the same flux. The factor is at most 4.
-    /// A film that becomes thicker without an edge is not changed.
+    /// A part with vertices in open fluid behind both ends of a short film has the length between them, with twice the
+    /// resistance of open fluid. A film that becomes thicker without an edge is not changed.
     pub(crate) fn extend_to_edges(
         &mut self,
         background: &SimplexMesh<D>,
         cut: &CutMesh<D>,
         space: &XfemSpace<D>,
         parts: &PartValues<D>,
+        faces: &[FaceValue<D>],
         surfaces: &FilmSurfaces<D>,
     ) {
         let mut open = vec![false; space.len()];
-        for part in cut.all_parts().filter(|part| self.of(*part).is_none()) {
+        for part in self.open_fluid(background, cut, parts, faces) {
             space.dofs(part).iter().for_each(|&dof| open[dof as usize] = true);
         }
         let mut near = Vec::new();
         for part in cut.all_parts() {
             let Some(film) = self.of_mut(part) else { continue };
             let in_open: Vec<_> = (0..=D).filter(|&i| open[space.dofs(part)[i] as usize]).collect();
-            if in_open.is_empty() || in_open.len() > D {
+            if in_open.is_empty() {
                 continue;
             }
-            let gradient: Vector<D> = in_open.iter().map(|&i| parts.gradients(part)[i]).sum();
-            let along = gradient - film.normal * gradient.dot(&film.normal);
-            let slope = along.norm();
             let simplex = background.simplex(cut.part_cell(part));
             let middle = centroid(&simplex, parts, part);
-            let Some(coordinates) = simplex.barycentric(&middle).filter(|_| slope > LEAST_SLOPE * gradient.norm())
-            else {
-                continue;
-            };
+            let Some(coordinates) = simplex.barycentric(&middle) else { continue };
+            let along_film = |v: Vector<D>| v - film.normal * v.dot(&film.normal);
+            let gradient = |vertices: &[usize]| vertices.iter().map(|&i| parts.gradients(part)[i]).sum::<Vector<D>>();
             let size = simplex.diameter();
             surfaces.facets_near(&Aabb::of_points(simplex.points()).expanded((REACH + RAMP[1]) * size), &mut near);
-            if let Some(edge) = surfaces.edge(&middle, &(along / slope), size, &near) {
+            let edge = |along: Vector<D>| surfaces.edge(&middle, &along, size, &near);
+            let exit = OPEN_FLUID * film.gap;
+            let falls = along_film(gradient(&in_open));
+            let slope = falls.norm();
+            if slope > LEAST_SLOPE * gradient(&in_open).norm() {
+                let Some(ahead) = edge(falls / slope) else { continue };
                 let value: f64 = in_open.iter().map(|&i| coordinates[i]).sum();
-                let length = value + slope * (edge + OPEN_FLUID * film.gap);
-                film.end_with(1.0 / length.max(1.0 / LARGEST));
+                film.end_with(value + slope * (ahead.max(0.0) + exit));
+                continue;
+            }
+            // A short film, with open fluid behind the edges on both sides.
+            let slopes = (0..=D).map(|i| along_film(parts.gradients(part)[i]));
+            let Some(along) = slopes.max_by(|a, b| a.norm().total_cmp(&b.norm())) else { continue };
+            let along = along.normalize();
+            let (Some(ahead), Some(behind)) = (edge(along), edge(-along)) else { continue };
+            let is_ahead = |i: &usize| (simplex.points()[*i] - middle).dot(&along) > 0.5 * (ahead - behind);
+            if in_open.iter().any(is_ahead) && !in_open.iter().all(is_ahead) {
+                let slope = along_film(gradient(&(0..=D).filter(is_ahead).collect::<Vec<_>>())).norm();
+                film.end_with(slope * (ahead + behind + 2.0 * exit));
             }
         }
+    }
+}
+
+impl<const D: usize> FilmValues<D> {
+    /// Returns the parts of open fluid: those without film that are connected by faces and together have at least the
+    /// volume of a cell. Fluid in a corner between two films is not open. Parts of negligible volume are left out.
+    fn open_fluid(
+        &self,
+        background: &SimplexMesh<D>,
+        cut: &CutMesh<D>,
+        parts: &PartValues<D>,
+        faces: &[FaceValue<D>],
+    ) -> impl Iterator<Item = PartId> {
+        let coordinates = background.coordinates();
+        let fraction = |part: PartId| {
+            let simplex = background.simplex(cut.part_cell(part));
+            parts.moments(part).volume() / (simplex.volume() * coordinates.weight(&simplex.centroid()))
+        };
+        let fractions: Vec<_> = cut.all_parts().map(fraction).collect();
+        let is_free = |part: &PartId| self.of(*part).is_none() && fractions[part.index()] > NEGLIGIBLE;
+        let mut regions = Regions::new(fractions.len());
+        for face in faces.iter().filter(|face| face.parts.iter().all(is_free)) {
+            regions.join(face.parts[0].index(), face.parts[1].index());
+        }
+        let mut volumes = vec![0.0; fractions.len()];
+        let free: Vec<_> = cut.all_parts().filter(is_free).collect();
+        for part in &free {
+            volumes[regions.of(part.index())] += fractions[part.index()];
+        }
+        free.into_iter().filter(move |part| volumes[regions.of(part.index())] >= 1.0)
+    }
+}
+
+/// Disjoint sets of connected items.
+struct Regions(Vec<usize>);
+
+impl Regions {
+    fn new(n: usize) -> Self {
+        Self((0..n).collect())
+    }
+
+    /// Returns the item that stands for the region of an item, the smallest one in it.
+    fn of(&mut self, item: usize) -> usize {
+        let mut of = item;
+        while self.0[of] != of {
+            self.0[of] = self.0[self.0[of]];
+            of = self.0[of];
+        }
+        of
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.of(a), self.of(b));
+        self.0[a.max(b)] = a.min(b);
     }
 }
 
@@ -100,12 +168,24 @@ impl<const D: usize> FilmSurfaces<D> {
             }
             // Past an edge, the closest point of its surface remains at the edge.
             let last = feet(&inside)?;
-            let past = last.iter().map(|foot| (inside - foot.point).dot(along)).fold(0.0, f64::max);
-            if past > 0.5 * gap(&last) {
+            let past = |foot: &FilmFoot<D>| (inside - foot.point).dot(along);
+            let at_edge =
+                |foot: &&FilmFoot<D>| past(foot) > 0.5 * gap(&last) && !self.continues(foot, along, size, near);
+            if let Some(past) = last.iter().filter(at_edge).map(past).reduce(f64::max) {
                 return Some((inside - from).dot(along) - past);
             }
             step *= 0.5;
         }
         None
+    }
+    /// Returns whether a surface goes on in a direction from one of its points, bent by less than 60 degrees.
+    fn continues(&self, foot: &FilmFoot<D>, along: &Vector<D>, size: f64, near: &[FacetId]) -> bool {
+        let tolerance = NEGLIGIBLE * size;
+        near.iter().any(|facet| {
+            let points = &self.facet_points(*facet);
+            let contains = || Foot::on_facet(&foot.point, points).squared_distance <= tolerance.powi(2);
+            let farthest = || points.iter().map(|x| (x - foot.point).dot(along)).fold(0.0, f64::max);
+            self.normal(*facet).dot(&foot.normal) > FRONT && contains() && farthest() > tolerance
+        })
     }
 }

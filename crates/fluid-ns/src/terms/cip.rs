@@ -50,7 +50,8 @@ impl CipVelocity {
 /// step in `τ_F` in addition, which reduces the penalty for small steps.
 /// Couples: pressure × pressure.   Domain: interior faces of active parts, whole face, and planes of symmetry, where
 /// the jump is that of `∇p - f` ([`FluidFaces`](crate::FluidFaces)). In films the weight is reduced by the factor
-/// `1 - χ`, because the term [`Film`](crate::terms::Film) stabilises the pressure there.
+/// `1 - χ`, because the term [`Film`](crate::terms::Film) stabilises the pressure there; where a film ends at an edge,
+/// with the larger share of the two parts.
 /// Units: weight length²/viscosity × length.
 pub struct CipPressure {
     /// `γ_p`.

@@ -112,6 +112,67 @@ fn films_reach_edges_inside_of_cells() {
 }
 
 #[test]
+fn fluid_in_a_corner_between_two_films_is_not_open() {
+    // Half of a piston over the floor of a channel, with a clearance as wide as the film, through which the fluid
+    // leaves upwards. The pressure at the corner is that of the flux along the clearance.
+    for (gap, clearance) in [(0.1_f64, 0.1_f64), (0.1, 0.2), (0.2, 0.2)] {
+        let background = structured_box::<2>([0.0; 2], [12.0; 2], [12, 12]).expect("a box");
+        let mut setup = setup(fluid(background, 1e-9, 1.0), 1e3);
+        setup.scheme = Arc::new(solver::algebra::time::QuasiStatic);
+        fluid_of(&mut setup).convection = None;
+        fluid_of(&mut setup).film = Some(FilmSetup::default());
+        on_sides(&mut setup, &["left"], || FluidBoundary::symmetry(0));
+        on_sides(&mut setup, &["right", "bottom"], || FluidBoundary::NoSlip);
+        on_sides(&mut setup, &["top"], open);
+        let (radius, length) = (12.0 - clearance, 8.0 - gap);
+        let piston = structured_box::<2>([-1.0, gap], [radius, 8.0], [1, 1]).expect("a piston");
+        setup.bodies.push(prescribed(&piston, |x, _| *x, |_, _| V::new(0.0, -1.0)));
+        let below = 4.0 * (radius / gap).powi(3);
+        let beside = 12.0 * length * radius.powi(2) / clearance.powi(3);
+        let found = force(&setup)[1] / (below + beside);
+        assert!((found - 1.0).abs() < 0.15, "gap {gap}, clearance {clearance}: {found}");
+    }
+}
+
+/// Returns the leak below a gate over a wall, over `δ³ p/(12 μ (L + 0.85 δ))`.
+fn leak(length: f64, gap: f64, begins: f64) -> f64 {
+    const PRESSURE: f64 = 3.0;
+    let background = structured_box::<2>([0.0; 2], [20.0, 8.0], [20, 8]).expect("a box");
+    let mut setup = setup(fluid(background, 1e-9, 1.0), 1e3);
+    setup.scheme = Arc::new(solver::algebra::time::QuasiStatic);
+    fluid_of(&mut setup).convection = None;
+    fluid_of(&mut setup).film = Some(FilmSetup::default());
+    on_sides(&mut setup, &["bottom", "top"], || FluidBoundary::NoSlip);
+    on_sides(&mut setup, &["right"], open);
+    on_sides(&mut setup, &["left"], || FluidBoundary::Open {
+        traction: Some(Arc::new(|_: &Point<2>, n: &Vector<2>, _: f64| *n * -PRESSURE)),
+        backflow: false,
+    });
+    let from = 8.0 + begins;
+    let gate = structured_box::<2>([from, gap], [from + length, 10.0], [1, 1]).expect("a gate");
+    setup.bodies.push(prescribed(&gate, |x, _| *x, |_, _| Vector::zeros()));
+    let (state, _) = run(&setup, 1);
+    let fluid = wet(&state);
+    let on_right = (0..fluid.space.len()).filter_map(|dof| {
+        let x = fluid_of(&mut setup).background.vertex(fluid.space.vertex(dof as u32));
+        (x[0] == 20.0).then_some(fluid.velocity[dof][0] * if x[1] == 8.0 || x[1] == 0.0 { 0.5 } else { 1.0 })
+    });
+    on_right.sum::<f64>() / (gap.powi(3) * PRESSURE / (12.0 * (length + 0.85 * gap)))
+}
+
+#[test]
+fn a_gate_leaks_as_the_film_below_it_conducts() {
+    for (length, bound) in [(2.0, 0.2), (3.0, 0.15), (5.0, 0.1)] {
+        for gap in [0.02, 0.1, 0.3] {
+            for begins in [0.1, 0.3, 0.5, 0.7, 0.9] {
+                let found = leak(length, gap, begins);
+                assert!((found - 1.0).abs() < bound, "length {length}, gap {gap}, {begins}: {found}");
+            }
+        }
+    }
+}
+
+#[test]
 fn the_force_on_disks_is_that_of_reynolds() {
     // A film of one cell between a disk and a wall on lines of the mesh.
     const RADIUS: usize = 20;
