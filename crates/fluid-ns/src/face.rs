@@ -17,7 +17,8 @@ pub struct FluidFace<'a, const D: usize> {
     /// Largest `|u*|` over the vertices of the face.
     pub speed: f64,
     /// Smaller share `χ` of the films in the two parts; zero if one of them has no film. The factor `1 - χ` reduces
-    /// penalties, which otherwise suppress gradients of pressure and shear across a film of a few cells.
+    /// penalties, which otherwise suppress gradients of pressure and shear across a film of a few cells. Zero also
+    /// between a sliver of a film and a thicker part of it: the penalties extend pressure and velocity to slivers.
     pub film: f64,
     /// The same for the penalty of the pressure. Where a film ends at an edge it is the larger share: the gradient of
     /// the pressure ends there, too.
@@ -28,7 +29,11 @@ impl<'a, const D: usize> FluidFace<'a, D> {
     /// Creates a face from the known velocity, one value per dof of the space, and the films in its parts.
     pub fn new(value: &'a FaceValue<D>, known_velocity: &[Vector<D>], films: Option<&FilmValues<D>>) -> Self {
         let share = |part: &PartId| films.and_then(|films| films.of(*part)).map_or(0.0, |film| film.share);
-        let film = value.parts.iter().map(share).fold(1.0, f64::min);
+        let is_sliver = |part: &PartId| films.and_then(|films| films.of(*part)).is_some_and(|film| film.is_sliver);
+        let film = match value.parts.each_ref().map(is_sliver) {
+            [true, false] | [false, true] => 0.0,
+            _ => value.parts.iter().map(share).fold(1.0, f64::min),
+        };
         let at_edge = |part: &PartId| films.and_then(|films| films.of(*part)).filter(|film| film.at_edge);
         let film_of_pressure = value.parts.iter().filter_map(at_edge).map(|film| film.share).fold(film, f64::max);
         let mut face = Self { value, normal_speed: 0.0, speed: 0.0, film, film_of_pressure };

@@ -3,8 +3,7 @@
 use cutcell::{CutMesh, PartId};
 use mesh::search::{Foot, SurfaceIndex};
 use mesh::{
-    Aabb, BoundaryMesh, FacetId, Placed, Point, Simplex, SimplexMesh, Tag, Vector, VertexId, facet_normal,
-    simplex_measure,
+    Aabb, BoundaryMesh, FacetId, Placed, Point, SimplexMesh, Tag, Vector, VertexId, facet_normal, simplex_measure,
 };
 use xfem_space::{FaceValue, PartValues, XfemSpace};
 
@@ -19,6 +18,8 @@ pub(crate) const FRONT: f64 = 0.5;
 pub(crate) const RAMP: [f64; 2] = [2.0, 4.0];
 /// Largest fraction of the flux in a part that slip may carry. With the standard parameters it carries at most 0.69.
 const LARGEST_SLIP: f64 = 0.75;
+/// Largest thickness of a sliver relative to the gap.
+const SLIVER: f64 = 1e-4;
 /// Least length by which the conductance of the last part of a film is divided.
 const SHORTEST: f64 = 0.25;
 /// Fraction of the component across a film that acts in its last part.
@@ -127,6 +128,8 @@ pub struct FilmPart<const D: usize> {
     /// [`crate::terms::Film`], times a factor in the last part of a film that ends at an edge. The sum of the weights
     /// on surfaces is at most three quarters of the sum in the part.
     pub points: Vec<(Point<D>, f64)>,
+    /// Whether the part is so thin relative to the gap that its own terms do not determine its pressure and velocity.
+    pub is_sliver: bool,
     /// Whether the film ends at an edge, and some vertices of the part are in the open fluid behind it.
     pub at_edge: bool,
 }
@@ -180,7 +183,7 @@ impl<const D: usize> FilmValues<D> {
             let simplex = background.simplex(cut.part_cell(part));
             let reach = RAMP[1] * simplex.diameter();
             surfaces.facets_near(&Aabb::of_points(simplex.points()).expanded(reach), &mut near);
-            let Some(feet) = surfaces.feet(&centroid(&simplex, parts, part), &near) else { continue };
+            let Some(feet) = surfaces.feet(&centroid(background, cut, parts, part), &near) else { continue };
             let (gap, normal) = (gap(&feet), feet[0].normal);
             let height = extent(simplex.points(), &normal);
             let share = ((RAMP[1] * height - gap) / ((RAMP[1] - RAMP[0]) * height)).clamp(0.0, 1.0);
@@ -192,13 +195,22 @@ impl<const D: usize> FilmValues<D> {
                 cut.for_each_simplex(background, part, |points| corners.extend_from_slice(points));
             }
             let layer = if corners.is_empty() { height } else { extent(&corners, &normal).min(height) };
+            let is_sliver = layer < SLIVER * gap;
             let mut points = Vec::new();
             parts.for_each_point(background, cut, part, DEGREE, |x, weight, _| {
                 let gap = surfaces.feet(x, &near).map_or(gap, |feet| self::gap(&feet));
                 let thickness = gap.min(layer).max(roughness.min(height));
                 points.push((*x, weight * share * thickness.powi(2) / 12.0));
             });
-            values.films.push(FilmPart { share, gap, normal, layer: layer.min(gap), points, at_edge: false });
+            values.films.push(FilmPart {
+                share,
+                gap,
+                normal,
+                layer: layer.min(gap),
+                points,
+                is_sliver,
+                at_edge: false,
+            });
             values.of_part[part.index()] = values.films.len() as u32;
         }
         values.extend_to_edges(background, cut, space, parts, faces, surfaces);
@@ -258,12 +270,19 @@ impl<const D: usize> FilmValues<D> {
     }
 }
 
-/// Returns the centroid of a part, or of its cell if its volume is negligible.
-pub(crate) fn centroid<const D: usize>(simplex: &Simplex<D>, parts: &PartValues<D>, part: PartId) -> Point<D> {
-    let moments = parts.moments(part);
+/// Returns the centroid of a part, or the mean of its corners if its moments are zero because its volume is negligible.
+pub(crate) fn centroid<const D: usize>(
+    background: &SimplexMesh<D>,
+    cut: &CutMesh<D>,
+    parts: &PartValues<D>,
+    part: PartId,
+) -> Point<D> {
+    let (simplex, moments) = (background.simplex(cut.part_cell(part)), parts.moments(part));
     let volume = moments.volume();
     if volume <= 0.0 {
-        return simplex.centroid();
+        let mut corners = Vec::new();
+        cut.for_each_simplex(background, part, |points| corners.extend_from_slice(points));
+        return if corners.is_empty() { simplex.centroid() } else { mesh::mean(&corners) };
     }
     simplex.points().iter().enumerate().map(|(i, x)| x * (moments.of(i) / volume)).sum()
 }

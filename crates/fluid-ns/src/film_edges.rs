@@ -60,7 +60,7 @@ impl<const D: usize> FilmValues<D> {
                 continue;
             }
             let simplex = background.simplex(cut.part_cell(part));
-            let middle = centroid(&simplex, parts, part);
+            let middle = centroid(background, cut, parts, part);
             let Some(coordinates) = simplex.barycentric(&middle) else { continue };
             let along_film = |v: Vector<D>| v - film.normal * v.dot(&film.normal);
             let gradient = |vertices: &[usize]| vertices.iter().map(|&i| parts.gradients(part)[i]).sum::<Vector<D>>();

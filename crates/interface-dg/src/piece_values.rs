@@ -9,6 +9,8 @@ use xfem_space::{PartValues, XfemSpace};
 /// Largest viscous length of a piece in a film, in heights `V/A` of its part ([`PieceValues::set_gaps`]). The symmetric
 /// mortar is coercive up to `γ_t/2` heights, 17.5 for the standard stabilisation; 8 is below half of this bound.
 const LARGEST_LENGTH_IN_HEIGHTS: f64 = 8.0;
+/// Least height of a part in a film relative to the gap, which bounds the penalty in slivers.
+const LEAST_HEIGHT: f64 = 1e-9;
 
 /// A quadrature point of the interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -160,7 +162,7 @@ impl<const D: usize> PieceValues<D> {
         for (length, piece) in self.viscous_lengths.iter_mut().zip(cut.interface()) {
             if let Some(gap) = gap(piece.part) {
                 let height = cut.part_volume(piece.part) / areas[&piece.part];
-                *length = length.min(gap).min(LARGEST_LENGTH_IN_HEIGHTS * height);
+                *length = length.min(gap).min(LARGEST_LENGTH_IN_HEIGHTS * height.max(LEAST_HEIGHT * gap));
             }
         }
     }

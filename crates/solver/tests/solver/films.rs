@@ -385,3 +385,18 @@ fn a_ball_that_falls_into_a_film_loses_energy_in_every_step() {
         reports.iter().fold((0.0, 0.0), |sum, r| (sum.0 + r.ledger.film, sum.1 + r.ledger.viscosity));
     assert!(film > 0.1 * viscosity, "film {film}, viscosity {viscosity}");
 }
+
+#[test]
+fn films_that_reach_past_a_line_of_the_mesh_by_a_sliver_have_the_force_of_reynolds() {
+    // The upper plate is at a line of the mesh or just above it. Parts above the line are slivers, some without
+    // moments.
+    for above in [0.0, 1e-14, 1e-12, 1e-9, 1e-7, 1e-5, 1e-4, 1e-3] {
+        let gap = 0.2 + 2.0 * above;
+        let plane = squeeze_between_edges::<2>(gap, [-1.0, 41.0]) * (42.0_f64 / 40.0).powi(3);
+        assert!((plane - 1.0).abs() < 0.005, "{above:e} above: {plane}");
+        let in_space = squeeze_between_edges::<3>(gap, [-1.0, 9.0]) * (10.0_f64 / 8.0).powi(4) / (0.951 * 0.4217);
+        assert!((in_space - 1.0).abs() < 0.015, "{above:e} above: {in_space}");
+        let with_edges = squeeze_between_edges::<2>(gap, [10.3, 20.3]);
+        assert!((0.92..0.97).contains(&with_edges), "{above:e} above: {with_edges}");
+    }
+}
