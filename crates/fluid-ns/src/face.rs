@@ -28,14 +28,16 @@ pub struct FluidFace<'a, const D: usize> {
 impl<'a, const D: usize> FluidFace<'a, D> {
     /// Creates a face from the known velocity, one value per dof of the space, and the films in its parts.
     pub fn new(value: &'a FaceValue<D>, known_velocity: &[Vector<D>], films: Option<&FilmValues<D>>) -> Self {
-        let share = |part: &PartId| films.and_then(|films| films.of(*part)).map_or(0.0, |film| film.share);
-        let is_sliver = |part: &PartId| films.and_then(|films| films.of(*part)).is_some_and(|film| film.is_sliver);
-        let film = match value.parts.each_ref().map(is_sliver) {
-            [true, false] | [false, true] => 0.0,
-            _ => value.parts.iter().map(share).fold(1.0, f64::min),
+        let of = |part: &PartId| films.and_then(|films| films.of(*part));
+        let share = |part: &PartId| of(part).map_or(0.0, |film| film.share);
+        let is_sliver = |part: &PartId| of(part).is_some_and(|film| film.is_sliver);
+        let [film, film_of_pressure] = if is_sliver(&value.parts[0]) == is_sliver(&value.parts[1]) {
+            let least = value.parts.iter().map(share).fold(1.0, f64::min);
+            let at_edge = value.parts.iter().filter_map(of).filter(|film| film.at_edge);
+            [least, at_edge.map(|film| film.share).fold(least, f64::max)]
+        } else {
+            [0.0; 2]
         };
-        let at_edge = |part: &PartId| films.and_then(|films| films.of(*part)).filter(|film| film.at_edge);
-        let film_of_pressure = value.parts.iter().filter_map(at_edge).map(|film| film.share).fold(film, f64::max);
         let mut face = Self { value, normal_speed: 0.0, speed: 0.0, film, film_of_pressure };
         for &dof in value.face_dofs() {
             let u = known_velocity[dof as usize];
