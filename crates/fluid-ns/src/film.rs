@@ -5,7 +5,7 @@ use mesh::search::{Foot, SurfaceIndex};
 use mesh::{
     Aabb, BoundaryMesh, FacetId, Placed, Point, SimplexMesh, Tag, Vector, VertexId, facet_normal, simplex_measure,
 };
-use xfem_space::{FaceValue, PartValues, XfemSpace};
+use xfem_space::PartValues;
 
 /// Two surfaces are opposite if the scalar product of their unit normals is below this value: one normal and the
 /// reverse of the other one enclose less than 60 degrees.
@@ -171,9 +171,7 @@ impl<const D: usize> FilmValues<D> {
     pub fn new(
         background: &SimplexMesh<D>,
         cut: &CutMesh<D>,
-        space: &XfemSpace<D>,
         parts: &PartValues<D>,
-        faces: &[FaceValue<D>],
         surfaces: &FilmSurfaces<D>,
         roughness: f64,
     ) -> Self {
@@ -213,7 +211,6 @@ impl<const D: usize> FilmValues<D> {
             });
             values.of_part[part.index()] = values.films.len() as u32;
         }
-        values.extend_to_edges(background, cut, space, parts, faces, surfaces);
         values
     }
 

@@ -26,7 +26,8 @@ const NEGLIGIBLE: f64 = 1e-9;
 const HALVINGS: usize = 12;
 
 impl<const D: usize> FilmValues<D> {
-    /// Changes the conductance in the last parts of films that end at edges.
+    /// Changes the conductance in the last parts of films that end at edges of their `surfaces`. It precedes
+    /// [`FilmValues::subtract_slip`].
     ///
     /// A part without film has the pressure of open fluid at all of its dofs, also if a film reaches into it. The
     /// pressure of the film then falls to that of open fluid up to a cell before the edge. The distance in which it
@@ -39,7 +40,7 @@ impl<const D: usize> FilmValues<D> {
     /// with which the difference of the pressures is that of the whole film for the same flux. The factor is at most 4.
     /// A part with vertices in open fluid behind both ends of a short film has the length between them, with twice the
     /// resistance of open fluid. A film that becomes thicker without an edge is not changed.
-    pub(crate) fn extend_to_edges(
+    pub fn extend_to_edges(
         &mut self,
         background: &SimplexMesh<D>,
         cut: &CutMesh<D>,

@@ -101,7 +101,9 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         }
         let mut films = fluid.film.map(|film| {
             let surfaces = FilmSurfaces::new(&setup.surfaces(&positions), background, |tag| fluid.is_wall(tag));
-            FilmValues::new(background, &cut, &space, &parts, &faces, &surfaces, film.roughness)
+            let mut films = FilmValues::new(background, &cut, &parts, &surfaces, film.roughness);
+            films.extend_to_edges(background, &cut, &space, &parts, &faces, &surfaces);
+            films
         });
         let of_bodies: Vec<_> = setup.bodies.iter().map(|body| body.surface()).collect();
         let mut pieces = PieceValues::new(background, &cut, &parts, &of_bodies, PIECE_DEGREE);
