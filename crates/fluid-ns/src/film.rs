@@ -7,6 +7,8 @@ use mesh::{
 };
 use xfem_space::PartValues;
 
+use crate::film_layer::{extent, interpolated_layer};
+
 /// Two surfaces are opposite if the scalar product of their unit normals is below this value: one normal and the
 /// reverse of the other one enclose less than 60 degrees.
 const OPPOSITE: f64 = -0.5;
@@ -144,10 +146,14 @@ impl<const D: usize> FilmPart<D> {
     }
 
     /// Marks the part as the last one of a film. The conductance is divided by the length up to the edge, relative to
-    /// that in which the discrete pressure falls. It is multiplied by at most 4.
-    pub(crate) fn end_with(&mut self, length: f64) {
+    /// that in which the discrete pressure falls. It is multiplied by at most 4. `open` returns the sum of the shape
+    /// functions of dofs in open fluid at a point, the share of the parabola that the velocity does not represent.
+    pub(crate) fn end_with(&mut self, length: f64, open: impl Fn(&Point<D>) -> f64) {
         self.at_edge = true;
-        self.points.iter_mut().for_each(|(_, weight)| *weight /= length.max(SHORTEST));
+        let unresolved = if self.layer > 0.0 { (self.gap / self.layer).powi(2) - 1.0 } else { 0.0 };
+        for (x, weight) in &mut self.points {
+            *weight *= (1.0 + open(x) * unresolved) / length.max(SHORTEST);
+        }
     }
 }
 
@@ -192,7 +198,8 @@ impl<const D: usize> FilmValues<D> {
             if !cut.is_whole(part) {
                 cut.for_each_simplex(background, part, |points| corners.extend_from_slice(points));
             }
-            let layer = if corners.is_empty() { height } else { extent(&corners, &normal).min(height) };
+            let layer = interpolated_layer(background, cut.part_cell(part), &normal);
+            let layer = if corners.is_empty() { layer } else { extent(&corners, &normal).min(layer) };
             let is_sliver = layer < SLIVER * gap;
             let mut points = Vec::new();
             parts.for_each_point(background, cut, part, DEGREE, |x, weight, _| {
@@ -282,11 +289,4 @@ pub(crate) fn centroid<const D: usize>(
         return if corners.is_empty() { simplex.centroid() } else { mesh::mean(&corners) };
     }
     simplex.points().iter().enumerate().map(|(i, x)| x * (moments.of(i) / volume)).sum()
-}
-
-/// Returns the extent of points along a direction.
-fn extent<const D: usize>(points: &[Point<D>], direction: &Vector<D>) -> f64 {
-    let along = points.iter().map(|x| x.dot(direction));
-    let [low, high] = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], a| [low.min(a), high.max(a)]);
-    high - low
 }

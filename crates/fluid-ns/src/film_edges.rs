@@ -38,6 +38,8 @@ impl<const D: usize> FilmValues<D> {
     /// `1/(|∇_τ N| (ℓ + 0.42 δ))`,
     ///
     /// with which the difference of the pressures is that of the whole film for the same flux. The factor is at most 4.
+    /// Dofs in open fluid have the velocity of open fluid, too, so that only the share `1 - N` of the parabola that
+    /// layers represent is there: the missing flux is that of `d² + N (δ² - d²)` in place of `d²`.
     /// A part with vertices in open fluid behind both ends of a short film has the length between them, with twice the
     /// resistance of open fluid. A film that becomes thicker without an edge is not changed.
     pub fn extend_to_edges(
@@ -69,12 +71,13 @@ impl<const D: usize> FilmValues<D> {
             surfaces.facets_near(&Aabb::of_points(simplex.points()).expanded((REACH + RAMP[1]) * size), &mut near);
             let edge = |along: Vector<D>| surfaces.edge(&middle, &along, size, &near);
             let exit = OPEN_FLUID * film.gap;
-            let falls = along_film(gradient(&in_open));
+            let (value, rises) = (in_open.iter().map(|&i| coordinates[i]).sum::<f64>(), gradient(&in_open));
+            let shape = |x: &Point<D>| value + rises.dot(&(x - middle));
+            let falls = along_film(rises);
             let slope = falls.norm();
-            if slope > LEAST_SLOPE * gradient(&in_open).norm() {
+            if slope > LEAST_SLOPE * rises.norm() {
                 let Some(ahead) = edge(falls / slope) else { continue };
-                let value: f64 = in_open.iter().map(|&i| coordinates[i]).sum();
-                film.end_with(value + slope * (ahead.max(0.0) + exit));
+                film.end_with(value + slope * (ahead.max(0.0) + exit), shape);
                 continue;
             }
             // A short film, with open fluid behind the edges on both sides.
@@ -85,7 +88,7 @@ impl<const D: usize> FilmValues<D> {
             let is_ahead = |i: &usize| (simplex.points()[*i] - middle).dot(&along) > 0.5 * (ahead - behind);
             if in_open.iter().any(is_ahead) && !in_open.iter().all(is_ahead) {
                 let slope = along_film(gradient(&(0..=D).filter(is_ahead).collect::<Vec<_>>())).norm();
-                film.end_with(slope * (ahead + behind + 2.0 * exit));
+                film.end_with(slope * (ahead + behind + 2.0 * exit), shape);
             }
         }
     }

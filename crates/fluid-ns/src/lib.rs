@@ -31,6 +31,7 @@ mod cell;
 mod face;
 mod film;
 mod film_edges;
+mod film_layer;
 mod fluid;
 mod form;
 mod geometry;

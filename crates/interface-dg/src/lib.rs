@@ -20,6 +20,7 @@
 mod closed;
 mod form;
 mod leak;
+mod mean_slip;
 mod moved_facet;
 mod moved_surface;
 mod piece_values;
@@ -35,6 +36,7 @@ mod traction;
 pub use closed::{ClosedPoint, ClosedPoints};
 pub use form::MortarForm;
 pub use leak::{InterfaceFlow, interface_flow};
+pub use mean_slip::MeanSlip;
 pub use moved_surface::{MovedPoint, MovedSurface};
 pub use piece_values::{PiecePoint, PieceValues};
 pub use pockets::{Pocket, pockets};

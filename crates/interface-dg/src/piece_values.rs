@@ -2,11 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use cutcell::{CutMesh, PartId};
+use cutcell::CutMesh;
+use fluid_ns::FilmValues;
 use mesh::{BoundaryMesh, MAX_CELL_VERTICES, MAX_FACET_NODES, Order, Point, SimplexMesh, SimplexRule, Vector};
 use xfem_space::{PartValues, XfemSpace};
 
-/// Largest viscous length of a piece in a film, in heights `V/A` of its part ([`PieceValues::set_gaps`]). The symmetric
+use crate::mean_slip::{self, SlipPatch};
+
+/// Largest viscous length of a piece in a film, in heights `V/A` of its part ([`PieceValues::set_films`]). The symmetric
 /// mortar is coercive up to `γ_t/2` heights, 17.5 for the standard stabilisation; 8 is below half of this bound.
 const LARGEST_LENGTH_IN_HEIGHTS: f64 = 8.0;
 /// Least height of a part in a film relative to the gap, which bounds the penalty in slivers.
@@ -42,6 +45,9 @@ pub struct PieceValues<const D: usize> {
     viscous_lengths: Vec<f64>,
     relative_speeds: Vec<f64>,
     relative_accelerations: Option<Vec<f64>>,
+    patches: Vec<Option<usize>>,
+    /// The patches of surfaces along films, to which `patches` refers.
+    in_films: Vec<SlipPatch<D>>,
 }
 
 impl<const D: usize> PieceValues<D> {
@@ -67,6 +73,8 @@ impl<const D: usize> PieceValues<D> {
             viscous_lengths: Vec::with_capacity(n),
             relative_speeds: vec![0.0; n],
             relative_accelerations: None,
+            patches: vec![None; n],
+            in_films: Vec::new(),
         };
         for piece in cut.interface() {
             let (simplex, surface) = (background.simplex(piece.cell), surfaces[piece.body.index()]);
@@ -148,23 +156,25 @@ impl<const D: usize> PieceValues<D> {
         (0..cut.interface().len()).map(largest).collect()
     }
 
-    /// Limits the viscous lengths of pieces in films to the gap of the film and to 8 heights `V/A` of the part. `gap`
-    /// returns the gap of the film of a part, and `None` outside of films.
+    /// Limits the viscous lengths of pieces in films to the gap of the film and to 8 heights `V/A` of the part, and
+    /// collects the pieces on which the mean slip is penalised. `surfaces` are those of the bodies.
     ///
     /// The ghost penalty does not act in films. On a part with volume `V` and area `A` of the surface, linear
     /// velocities have `∫_A |2 μ D(u) n|² ≤ 2 μ A/V ∫_V 2 μ |D(u)|²`. On parts that are much thinner than the film, the
     /// penalty thus bounds the traction only if the viscous length is at most a multiple of the height `V/A`.
-    pub fn set_gaps(&mut self, cut: &CutMesh<D>, gap: impl Fn(PartId) -> Option<f64>) {
+    pub fn set_films(&mut self, cut: &CutMesh<D>, surfaces: &[&BoundaryMesh<D>], films: &FilmValues<D>) {
         let mut areas = BTreeMap::new();
         for piece in cut.interface() {
             *areas.entry(piece.part).or_insert(0.0) += piece.measure;
         }
         for (length, piece) in self.viscous_lengths.iter_mut().zip(cut.interface()) {
-            if let Some(gap) = gap(piece.part) {
+            if let Some(film) = films.of(piece.part) {
                 let height = cut.part_volume(piece.part) / areas[&piece.part];
-                *length = length.min(gap).min(LARGEST_LENGTH_IN_HEIGHTS * height.max(LEAST_HEIGHT * gap));
+                *length = length.min(film.gap).min(LARGEST_LENGTH_IN_HEIGHTS * height.max(LEAST_HEIGHT * film.gap));
             }
         }
+        let (in_films, patches) = mean_slip::patches(cut, films, surfaces, |item| self.points(item));
+        (self.in_films, self.patches) = (in_films, patches);
     }
 
     /// Returns the quadrature points of a piece.
@@ -186,7 +196,7 @@ impl<const D: usize> PieceValues<D> {
     }
 
     /// Returns the viscous length of a piece, over which the velocity can change: the size of the cell, or in films the
-    /// smaller length of [`PieceValues::set_gaps`].
+    /// smaller length of [`PieceValues::set_films`].
     #[inline]
     pub fn viscous_length(&self, piece: usize) -> f64 {
         self.viscous_lengths[piece]
@@ -203,5 +213,11 @@ impl<const D: usize> PieceValues<D> {
     #[inline]
     pub fn relative_acceleration(&self, piece: usize) -> Option<f64> {
         self.relative_accelerations.as_ref().map(|of_pieces| of_pieces[piece])
+    }
+
+    /// Returns the patch of a piece on a surface along a film; `None` for other pieces.
+    #[inline]
+    pub(crate) fn patch(&self, piece: usize) -> Option<&SlipPatch<D>> {
+        self.patches[piece].map(|number| &self.in_films[number])
     }
 }

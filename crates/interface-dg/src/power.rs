@@ -26,7 +26,7 @@ pub fn interface_power<const D: usize>(
     for item in 0..points.len() {
         points.visit(item, x, |q| {
             let n = &q.piece.normal;
-            let traction = penalty.weighted(q) * q.jump;
+            let traction = penalty.weighted_traction(q);
             let along = q.jump.dot(n);
             power.penalty_normal += traction.dot(n) * along;
             power.penalty_tangential += traction.dot(&(q.jump - n * along));

@@ -65,7 +65,7 @@ pub fn interface_tractions<const D: usize>(
                 mean.exchange -= (shared - q.traction) * q.at.weight;
                 mean.pressure -= q.piece.normal * (q.pressure * q.at.weight);
                 mean.jump += q.jump * q.at.weight;
-                let by_penalty = penalty.weighted(q) * q.jump;
+                let by_penalty = penalty.weighted_traction(q);
                 mean.penalty += by_penalty;
                 mean.middle += q.at.point * q.at.weight;
                 mean.first_moment += (by_penalty - shared * q.at.weight) * q.at.point.transpose();

@@ -108,7 +108,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         let of_bodies: Vec<_> = setup.bodies.iter().map(|body| body.surface()).collect();
         let mut pieces = PieceValues::new(background, &cut, &parts, &of_bodies, PIECE_DEGREE);
         if let Some(films) = &mut films {
-            pieces.set_gaps(&cut, |part| films.of(part).map(|film| film.gap));
+            pieces.set_films(&cut, &of_bodies, films);
             let slip = fluid.stabilisation.penalty.slip_share();
             films.subtract_slip(background, &cut, slip, |piece| pieces.viscous_length(piece));
         }

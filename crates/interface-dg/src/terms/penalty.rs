@@ -1,10 +1,12 @@
 //! Penalty on the velocity jump.
 
+use std::sync::Arc;
+
 use algebra::{LocalSystem, Term};
 use fluid_ns::NewtonianFluid;
-use mesh::Tensor;
+use mesh::{Tensor, Vector};
 
-use crate::MortarPoint;
+use crate::{MeanSlip, MortarPoint};
 
 /// Scaling of the penalty with viscosity, inertia and size of the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +52,11 @@ impl PenaltyProfile {
 /// `h_K` is the size of the background cell. In `γ μ/h_K` the viscous length takes its place, which is less in films.
 /// `|u* - v^n|` is the largest relative speed on the piece, at the start of the step or extrapolated to its stage.
 /// `|a* - b^n|` is the largest relative acceleration of particles at the start.
+/// On surfaces along films `σ_t` acts on the mean `m` of the slip `P (u - v_s)` over a patch, with the projection
+/// `P = I - n ⊗ n`, and on the difference from it `σ_f = 1/(1/σ_t + χ d/μ)`:
+/// `(S_f (u - v_s) + (σ_t - σ_f) P m, v - w)_Σ`, `S_f = σ_f P + σ_n n ⊗ n`, with the thickness `d` of the layer of the
+/// film and its share `χ`. A patch consists of the pieces of one body in one fluid part ([`crate::PieceValues`]). See
+/// docs/adr/0044-mean-slip-in-films.md.
 pub struct Penalty {
     /// The scaling.
     pub profile: PenaltyProfile,
@@ -87,27 +94,42 @@ impl Penalty {
         }
     }
 
-    /// Returns `S` times the weight of the point.
-    pub(crate) fn weighted<const D: usize>(&self, q: &MortarPoint<'_, D>) -> Tensor<D> {
+    /// Returns the matrices of the jump `S_f` and of the mean slip `(σ_t - σ_f) P`, times the weight of the point.
+    /// Without a mean slip they are `S` and zero.
+    fn weighted<const D: usize>(&self, q: &MortarPoint<'_, D>) -> [Tensor<D>; 2] {
         let [normal, tangential] =
             self.eigenvalues([q.cell_size, q.viscous_length], q.relative_speed, q.relative_acceleration);
-        let n = &q.piece.normal;
+        // The penalty and the layer are springs in series.
+        let in_layer = |slip: &Arc<MeanSlip<D>>| 1.0 / (1.0 / tangential + slip.thickness / self.fluid.viscosity);
+        let of_jump = q.mean_slip.as_ref().map_or(tangential, in_layer);
+        let across = q.piece.normal * q.piece.normal.transpose();
+        let of_mean = (Tensor::identity() - across) * (q.at.weight * (tangential - of_jump));
         let weight = q.at.weight;
-        Tensor::from_diagonal_element(weight * tangential) + n * n.transpose() * (weight * (normal - tangential))
+        [Tensor::from_diagonal_element(weight * of_jump) + across * (weight * (normal - of_jump)), of_mean]
+    }
+
+    /// Returns the traction on the body, `S (u - v_s)` with the mean slip in films, times the weight of the point.
+    pub(crate) fn weighted_traction<const D: usize>(&self, q: &MortarPoint<'_, D>) -> Vector<D> {
+        let [of_jump, of_mean] = self.weighted(q);
+        let of_jump = of_jump * q.jump;
+        q.mean_slip.as_ref().map_or(of_jump, |slip| of_jump + of_mean * slip.value)
     }
 }
 
 impl<const D: usize> Term<MortarPoint<'_, D>> for Penalty {
     fn add(&self, q: &MortarPoint<'_, D>, out: &mut LocalSystem) {
-        let weighted = self.weighted(q);
+        let traction = self.weighted_traction(q);
+        let [of_jump, of_mean] = self.weighted(q);
         for (row, test) in q.jump_basis() {
-            let tested = weighted * test;
-            out.add_vector::<D>(row, tested * q.jump);
+            out.add_vector::<D>(row, traction * test);
             if !out.has_tangent() {
                 continue;
             }
             for (column, trial) in q.jump_basis() {
-                out.add_block::<D, D>(row, column, tested * trial);
+                out.add_block::<D, D>(row, column, of_jump * (test * trial));
+            }
+            for (column, by_unknown) in q.mean_slip.iter().flat_map(|slip| &slip.derivatives) {
+                out.add_block::<D, 1>(row, *column, of_mean * by_unknown * test);
             }
         }
     }

@@ -8,10 +8,11 @@ use algebra::time::Affine;
 use algebra::{BlockLayout, BlockSystem, Constraints, Contributions, Integral, check_tangent};
 use body::{SurfaceMotion, SurfaceStress, SurfaceVelocity};
 use cutcell::{CutMesh, OverlayOptions};
-use fluid_ns::{FluidFields, FluidGeometry, NewtonianFluid};
+use fluid_ns::{FilmSurfaces, FilmValues, FluidFields, FluidGeometry, NewtonianFluid};
 use interface_dg::terms::{ClosedPressure, PenaltyProfile};
 use interface_dg::{
-    ClosedPoints, FluidStress, InterfacePoints, MortarForm, PieceValues, interface_flow, interface_tractions,
+    ClosedPoints, FluidStress, InterfacePoints, MortarForm, PieceValues, interface_flow, interface_power,
+    interface_tractions,
 };
 use mesh::generate::structured_box;
 use mesh::{BodyId, MAX_FACET_NODES, Placed, Point, SimplexMesh, Tensor, Vector, VertexId};
@@ -32,6 +33,8 @@ struct Fixture {
     body: SimplexMesh<2>,
     cut: CutMesh<2>,
     space: XfemSpace<2>,
+    /// Whether the fluid between the body and the upper side of the background is a film.
+    is_film: bool,
 }
 
 impl Fixture {
@@ -47,7 +50,7 @@ impl Fixture {
         let placed = [Placed::new(&boundary, body.vertices())];
         let cut = CutMesh::overlay(&background, &placed, &OverlayOptions::new()).expect("a cut");
         let space = XfemSpace::new(&background, &cut);
-        Self { background, body, cut, space }
+        Self { background, body, cut, space, is_film: false }
     }
 
     /// Calls `visit` with the interface, the form, the state, the forces on fluid and body, and the sum of the pressure
@@ -66,6 +69,12 @@ impl Fixture {
         let history = vec![V::zeros(); self.space.len()];
         let boundary = self.body.boundary();
         let mut values = PieceValues::new(&self.background, &self.cut, &parts, &[&boundary], 2);
+        if self.is_film {
+            let placed = [Placed::new(&boundary, self.body.vertices())];
+            let surfaces = FilmSurfaces::new(&placed, &self.background, |tag| tag == self.background.tag("top"));
+            let films = FilmValues::new(&self.background, &self.cut, &parts, &surfaces, 0.0);
+            values.set_films(&self.cut, &[&boundary], &films);
+        }
         values.set_relative_speeds(&self.cut, &self.space, &history, |_| [v; MAX_FACET_NODES]);
         let acceleration = Affine { slope: 1.0, predicted: Vec::new() };
         let mut layout = BlockLayout::new();
@@ -355,4 +364,40 @@ fn a_split_penalty_without_inertia_is_the_uniform_one() {
     let split = PenaltyProfile::Split { gamma_normal: 33.0, gamma_tangential: 33.0 };
     let v = V::new(1.3, 0.7);
     assert_eq!(force_on_fluid(MortarForm::new(still, split, 7.0), v), force_on_fluid(uniform(33.0), v));
+}
+
+/// Checks a slip that varies along the film: its mean in a cell has the whole penalty, the rest is resisted by the layer
+/// of the film, too. Cells border on two facets of the body.
+#[test]
+fn the_penalty_in_films_acts_on_the_mean_slip() {
+    const RATE: f64 = 3.0;
+    const LAYER: f64 = 0.6;
+    let fixture = Fixture { is_film: true, ..Fixture::new() };
+    for elastic in [true, false] {
+        fixture.with_points(
+            uniform(40.0),
+            |x| V::new(RATE * x[0], 0.0),
+            |_| 0.0,
+            V::zeros(),
+            elastic,
+            |points, form, x, force, _| {
+                let h = (0.5 * 4.0 / 3.0_f64.sqrt()).sqrt();
+                let of_mean = 40.0 * FLUID.viscosity / h;
+                let of_rest = 1.0 / (1.0 / of_mean + LAYER / FLUID.viscosity);
+                // Diagonals of the squares end the cells at the height 0.4.
+                let cells = [[0.0_f64, 0.4], [0.4, 1.0], [1.0, 1.4], [1.4, 2.0]].map(|[from, to]| {
+                    let (length, mean) = (to - from, 0.5 * (from + to));
+                    length * RATE.powi(2) * (of_mean * mean.powi(2) + of_rest * length.powi(2) / 12.0)
+                });
+                let (power, exact) = (interface_power(points, &form.penalty, x), cells.iter().sum::<f64>());
+                assert!((power.penalty_tangential - exact).abs() < 1e-12 * exact, "{power:?}, {exact}");
+                let tractions = interface_tractions(points, &form.penalty, x);
+                let total: V = tractions.iter().map(|on| on.total() * on.measure).sum();
+                assert!((total[0] - RATE * of_mean * 2.0).abs() < 1e-12 * total[0], "{total}");
+                if elastic {
+                    assert!((force[1] + total).norm() < 1e-12 * total.norm(), "{} {total}", force[1]);
+                }
+            },
+        );
+    }
 }

@@ -1,0 +1,96 @@
+//! Thickness of the layers of cells in a film.
+
+use mesh::{CellId, MAX_CELL_VERTICES, Point, SimplexMesh, Vector};
+
+/// Returns the extent of points along a direction.
+pub(crate) fn extent<const D: usize>(points: &[Point<D>], direction: &Vector<D>) -> f64 {
+    let along = points.iter().map(|x| x.dot(direction));
+    let [low, high] = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], a| [low.min(a), high.max(a)]);
+    high - low
+}
+
+/// Returns the thickness `d` of the layer that a cell and its neighbours are in a film with a unit normal, by the flux
+/// that linear velocities lack.
+///
+/// A gradient of the pressure drives a parabola across the film. Its linear interpolation in a layer of the thickness
+/// `d` lacks the flux `d²/12` per thickness and gradient over viscosity. In any cells the best approximation lacks the
+/// mean of `|∇(q - I q)|²` of `q = s²/2`, with the distance `s` across the film, if it is the interpolation `I q` (the
+/// flux of a solution is its energy). The thickness is that of equal flux. It is the extent of cells whose faces are
+/// along the film, and up to 6 % more or 20 % less in triangles that the film crosses at an angle.
+pub(crate) fn interpolated_layer<const D: usize>(background: &SimplexMesh<D>, cell: CellId, normal: &Vector<D>) -> f64 {
+    let neighbours = background.cell_to_facet(cell).iter().flat_map(|facet| background.facet_to_cell(*facet));
+    let neighbours = neighbours.flatten().filter(|other| *other != cell);
+    let (mut volume, mut error) = (0.0, 0.0);
+    for cell in neighbours.chain([cell]) {
+        let of_cell = background.cell_volume(cell);
+        volume += of_cell;
+        error += of_cell * interpolation_error(background, cell, normal);
+    }
+    (12.0 * error / volume).sqrt()
+}
+
+/// Returns the mean of `|∇(q - I q)|²` in a cell, with `q = s²/2`, the distance `s` along a direction, and the linear
+/// interpolation `I q` at the vertices.
+///
+/// `q - I q = -1/2 Σ_{i<j} s_ij² N_i N_j` with the distances `s_ij` between vertices, and its gradient is
+/// `Σ_i N_i b_i` with `b_i = -1/2 Σ_j s_ij² ∇N_j`.
+fn interpolation_error<const D: usize>(background: &SimplexMesh<D>, cell: CellId, direction: &Vector<D>) -> f64 {
+    let simplex = background.simplex(cell);
+    let Some(gradients) = simplex.barycentric_gradients() else { return 0.0 };
+    let points = simplex.points();
+    let squared = |i: usize, j: usize| (points[j] - points[i]).dot(direction).powi(2);
+    let mut b = [Vector::<D>::zeros(); MAX_CELL_VERTICES];
+    for (i, b) in b[..=D].iter_mut().enumerate() {
+        *b = (0..=D).map(|j| gradients[j] * (-0.5 * squared(i, j))).sum();
+    }
+    // ∫ N_i N_j = V (1 + δ_ij)/((D + 1)(D + 2))
+    let sum: Vector<D> = b[..=D].iter().sum();
+    let squares: f64 = b[..=D].iter().map(Vector::norm_squared).sum();
+    (sum.norm_squared() + squares) / ((D + 1) * (D + 2)) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use mesh::generate::structured_box;
+
+    use super::*;
+
+    #[test]
+    fn the_layer_of_cells_along_a_film_has_their_extent() {
+        let plane = structured_box::<2>([0.0; 2], [4.0, 1.0], [4, 4]).expect("a box");
+        for cell in plane.cells() {
+            let found = interpolated_layer(&plane, cell, &Vector::from([0.0, 1.0]));
+            assert!((found - 0.25).abs() < 1e-14, "{found}");
+        }
+    }
+
+    #[test]
+    fn layers_in_space_have_the_extent_of_their_cells_on_average() {
+        let space = structured_box::<3>([0.0; 3], [3.0; 3], [3; 3]).expect("a box");
+        let up = Vector::from([0.0, 0.0, 1.0]);
+        let mean =
+            space.cells().map(|cell| interpolation_error(&space, cell, &up)).sum::<f64>() / space.n_cells() as f64;
+        assert!((12.0 * mean - 1.0).abs() < 1e-14, "{mean}");
+    }
+
+    #[test]
+    fn the_interpolation_error_is_that_of_a_fine_quadrature() {
+        let plane = structured_box::<2>([0.0; 2], [1.0; 2], [1; 2]).expect("a box");
+        let rule = mesh::SimplexRule::of_degree(2, 2);
+        for angle in [-0.5_f64, 0.2, 0.8] {
+            let n = Vector::from([-angle.sin(), angle.cos()]);
+            for cell in plane.cells() {
+                let simplex = plane.simplex(cell);
+                let gradients = simplex.barycentric_gradients().expect("a triangle");
+                let s = |x: &Point<2>| x.dot(&n);
+                let of_linear: Vector<2> = (0..3).map(|i| gradients[i] * (0.5 * s(&simplex.points()[i]).powi(2))).sum();
+                let mut exact = 0.0;
+                rule.for_each_point(simplex.points(), |x, weight| {
+                    exact += weight * (n * s(&x) - of_linear).norm_squared()
+                });
+                let found = interpolation_error(&plane, cell, &n) * simplex.volume();
+                assert!((found - exact).abs() < 1e-14, "{found} for {exact}");
+            }
+        }
+    }
+}
