@@ -16,7 +16,7 @@ pub(crate) fn extent<const D: usize>(points: &[Point<D>], direction: &Vector<D>)
 /// `d` lacks the flux `d²/12` per thickness and gradient over viscosity. In any cells the best approximation lacks the
 /// mean of `|∇(q - I q)|²` of `q = s²/2`, with the distance `s` across the film, if it is the interpolation `I q` (the
 /// flux of a solution is its energy). The thickness is that of equal flux. It is the extent of cells whose faces are
-/// along the film, and up to 6 % more or 20 % less in triangles that the film crosses at an angle.
+/// along the film, and up to 12 % more or 20 % less in halves of squares that the film crosses at an angle.
 pub(crate) fn interpolated_layer<const D: usize>(background: &SimplexMesh<D>, cell: CellId, normal: &Vector<D>) -> f64 {
     let neighbours = background.cell_to_facet(cell).iter().flat_map(|facet| background.facet_to_cell(*facet));
     let neighbours = neighbours.flatten().filter(|other| *other != cell);

@@ -7,30 +7,15 @@ use fluid_ns::FilmValues;
 use mesh::{BoundaryMesh, MAX_CELL_VERTICES, MAX_FACET_NODES, Order, Point, SimplexMesh, SimplexRule, Vector};
 use xfem_space::{PartValues, XfemSpace};
 
+use crate::PiecePoint;
 use crate::mean_slip::{self, SlipPatch};
 
-/// Largest viscous length of a piece in a film, in heights `V/A` of its part ([`PieceValues::set_films`]). The symmetric
-/// mortar is coercive up to `γ_t/2` heights, 17.5 for the standard stabilisation; 8 is below half of this bound.
+/// Largest viscous length of a piece in a film, in heights `V/A` of its part ([`PieceValues::set_films`]). The
+/// symmetric mortar is coercive up to `γ_t/2` heights, 17.5 for the standard stabilisation; 8 is below half of this
+/// bound.
 const LARGEST_LENGTH_IN_HEIGHTS: f64 = 8.0;
 /// Least height of a part in a film relative to the gap, which bounds the penalty in slivers.
 const LEAST_HEIGHT: f64 = 1e-9;
-
-/// A quadrature point of the interface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PiecePoint<const D: usize> {
-    /// Position.
-    pub point: Point<D>,
-    /// Weight of the rule times the measure of the piece.
-    pub measure: f64,
-    /// Quadrature weight: `measure` times [`mesh::Coordinates::weight`] (1, or `2π r` with rotational symmetry).
-    pub weight: f64,
-    /// Shape values of the fluid part; only the first `D + 1` are used.
-    pub fluid: [f64; MAX_CELL_VERTICES],
-    /// Barycentric coordinates in the facet of the body.
-    pub in_facet: [f64; D],
-    /// Shape values of the nodes of the body on the facet ([`BoundaryMesh::nodes`]); the others are zero.
-    pub solid: [f64; MAX_FACET_NODES],
-}
 
 /// Quadrature points of all interface pieces of a cut, computed once per step.
 #[derive(Clone, Debug)]

@@ -9,8 +9,7 @@ use fluid_ns::{FluidFields, FluidGeometry, NewtonianFluid};
 use mesh::{BodyId, MAX_CELL_VERTICES, MAX_FACET_NODES, Tensor, Vector, VertexId};
 
 use crate::mean_slip::{MeanSlip, SlipPatch, along_surface};
-use crate::piece_values::{PiecePoint, PieceValues};
-use crate::{SolidShare, SolidTraction};
+use crate::{PiecePoint, PieceValues, SolidShare, SolidTraction};
 
 /// The interface pieces of a step: one item per piece, one site per quadrature point.
 #[derive(Clone)]

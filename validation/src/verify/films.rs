@@ -10,9 +10,10 @@ use cutwater::interface_dg::terms::PenaltyProfile;
 use cutwater::mesh::generate::{Region, RegionShape, Size, refined_box, structured_box};
 use cutwater::mesh::{Coordinates, Vector};
 use cutwater::solid_rigid::RigidBody;
-use cutwater::solver::{FilmSetup, FluidBoundary, Setup, Stabilisation, StepReport, TractionField};
+use cutwater::solver::{FilmSetup, FluidBoundary, Setup, Stabilisation, StepReport};
 
 use super::axisymmetric::{brenner, moving, slow, sphere};
+use super::film_edges;
 use super::flow::{self, boundary, fluid_mut, polygon};
 use super::linear_flow::Linear;
 use super::lubrication::{approach, exact_force, graded};
@@ -72,7 +73,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     spheres(record)?;
     cylinders(record)?;
     plates(record)?;
-    edges(record)?;
+    film_edges::edges(record)?;
     if record.full {
         sweeps(record)?;
         parameters(record)?;
@@ -145,13 +146,18 @@ fn cylinders(record: &mut Record) -> Result<(), Failure> {
 
 /// Measures the forces on plates that approach each other, and the pressure along a channel.
 fn plates(record: &mut Record) -> Result<(), Failure> {
-    let tilts: &[f64] = if record.full { &[0.0, 10.0, 20.0, 30.0] } else { &[0.0, 20.0] };
+    // Both directions: the diagonals of the squares have one.
+    let tilts: &[f64] = if record.full { &[0.0, 10.0, 20.0, 30.0, -10.0, -20.0, -30.0] } else { &[0.0, 20.0, -20.0] };
     for &degrees in tilts {
         for gap in [4.0, 2.0, 1.0, 0.5, 0.25, 0.1, 0.02] {
             let ratio = squeeze(gap, degrees)?;
             let name = format!("plates tilted by {degrees}°, gap of {gap} cells: force over the exact one");
             record.near_relative(name, ratio, 1.0, PLATES);
         }
+    }
+    for gap in [0.25, 0.1, 0.02] {
+        let name = format!("plates of 10 cells, a gap of {gap} cells in two layers: force over the exact one");
+        record.near_relative(name, in_two_layers(gap)?, 1.0, PLATES);
     }
     for gap in [1.0, 0.25, 0.02] {
         let name = format!("disks, gap of {gap} cells: force over the exact one");
@@ -165,56 +171,6 @@ fn plates(record: &mut Record) -> Result<(), Failure> {
         record.near_relative(name, channel(gap)?, 1.0, CHANNEL);
     }
     Ok(())
-}
-
-/// Measures the force on a plate over a wall, with open fluid behind its edges.
-///
-/// The reference is Reynolds' equation with the resistance of the open fluid, which was computed on meshes with 10 and
-/// 20 cells across gaps of 1/10, 1/20 and 1/40 of the length: [`with_open_fluid`].
-fn edges(record: &mut Record) -> Result<(), Failure> {
-    let positions = if record.full { 10 } else { 3 };
-    let lengths: &[f64] = if record.full { &[10.0, 20.0, 40.0] } else { &[20.0] };
-    for &along in lengths {
-        for gap in [1.0, 0.5, 0.25, 0.1, 0.02] {
-            let ratio = |begins| Ok(plate_in_fluid(along, gap, begins)? / with_open_fluid(gap / along));
-            let worst = worst_of(positions, ratio)?;
-            let name = format!(
-                "plate of {along} cells with open fluid behind its edges, gap of {gap} cells, worst of {positions} positions: force over the exact one"
-            );
-            record.near_relative(name, worst, 1.0, PLATES);
-        }
-    }
-    let lengths: &[f64] = if record.full { &[2.0, 3.0, 5.0, 10.0] } else { &[3.0] };
-    for &along in lengths {
-        for gap in [0.3, 0.1, 0.02] {
-            let ratio = worst_of(positions, |begins| leak(along, gap, begins))?;
-            let name = format!(
-                "gate with a seal of {along} cells, gap of {gap} cells, worst of {positions} positions: leak over the exact one"
-            );
-            record.near_relative(name, ratio, 1.0, SPHERE);
-        }
-    }
-    if record.full {
-        // Twenty cells across the gap are without a model of the film.
-        let ratio = plate_in_fluid(200.0, 20.0, 0.5)? / with_open_fluid(0.1);
-        let name = "plate of ten gaps, 20 cells across them: force over that of Reynolds' equation and the open fluid";
-        record.near_relative(name, ratio, 1.0, PLATES);
-    }
-    Ok(())
-}
-
-/// Returns the value farthest from one of those for so many positions in a cell.
-fn worst_of(positions: u32, ratio: impl Fn(f64) -> Result<f64, Failure>) -> Result<f64, Failure> {
-    let ratios = (0..positions).map(|k| ratio((f64::from(k) + 0.5) / f64::from(positions)));
-    let ratios = ratios.collect::<Result<Vec<_>, _>>()?;
-    let off = |ratio: &f64| (ratio - 1.0).abs();
-    Ok(ratios.into_iter().max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(f64::NAN))
-}
-
-/// Returns the force on a plate over a wall with open fluid behind its edges, over that of Reynolds' equation, for a
-/// gap relative to the length.
-fn with_open_fluid(gap: f64) -> f64 {
-    1.0 + 3.8 * gap + 10.0 * gap * gap
 }
 
 /// Sweeps the gap, and the position of the mesh relative to the wall.
@@ -403,11 +359,22 @@ const OFF_LINE: f64 = 0.124;
 /// Returns two plates at a gap, tilted relative to the mesh, which end outside of it; with the directions along and
 /// across them.
 fn between_plates(gap: f64, degrees: f64, speed: f64) -> Result<(Setup<2>, [V; 2]), Failure> {
-    let h = 1.0 / CELLS as f64;
-    let background = structured_box::<2>([0.0, -0.75], [1.0, 0.75], [CELLS, CELLS * 3 / 2])?;
+    plates_along(CELLS, OFF_LINE, gap, degrees, speed)
+}
+
+/// Returns what [`between_plates`] does for a number of cells along the plates and a height of the middle of the film.
+fn plates_along(
+    cells: usize,
+    off_line: f64,
+    gap: f64,
+    degrees: f64,
+    speed: f64,
+) -> Result<(Setup<2>, [V; 2]), Failure> {
+    let h = 1.0 / cells as f64;
+    let background = structured_box::<2>([0.0, -0.8], [1.0, 0.8], [cells, cells * 8 / 5])?;
     let angle = f64::to_radians(degrees);
     let (along, across) = (V::new(angle.cos(), angle.sin()), V::new(-angle.sin(), angle.cos()));
-    let middle = P::new(0.5, OFF_LINE * h);
+    let middle = P::new(0.5, off_line * h);
     let plate = |side: f64| {
         let at = |x: f64, y: f64| middle + along * x + across * side * (0.5 * gap * h + y);
         let corners = [at(-2.0, 0.0), at(2.0, 0.0), at(2.0, 0.2), at(-2.0, 0.2)];
@@ -415,12 +382,19 @@ fn between_plates(gap: f64, degrees: f64, speed: f64) -> Result<(Setup<2>, [V; 2
     };
     let mut setup = Linear::at_rest(V::zeros()).known(1.0, &[]).setup(background, 1e9);
     flow::set_sides(&mut setup, || FluidBoundary::Open { traction: None, backflow: false })?;
-    Case::new(CELLS as f64).set(&mut setup)?;
+    Case::new(cells as f64).set(&mut setup)?;
     for side in [1.0, -1.0] {
         let velocity = across * (-0.5 * side * speed);
         setup.bodies.push(polygon(&[plate(side)], |x, _| *x, Arc::new(move |_, _| velocity)));
     }
     Ok((setup, [along, across]))
+}
+
+/// Returns the force on one of two plates of ten cells that approach each other over the exact one, with a line of the
+/// mesh in the middle of the film.
+fn in_two_layers(gap: f64) -> Result<f64, Failure> {
+    let (setup, _) = plates_along(10, 0.0, gap, 0.0, 1.0)?;
+    Ok(solve(setup)?.1.0[1] * (gap / 10.0).powi(3))
 }
 
 /// Returns the force on one of two parallel plates that approach each other over the exact one.
@@ -486,61 +460,6 @@ fn disks(gap: f64) -> Result<f64, Failure> {
     let corners = [(0.0, low), (2.0, low), (2.0, low + 0.2), (0.0, low + 0.2)].map(|(r, z)| P::new(r, z));
     setup.bodies.push(moving(corners.to_vec(), |x, _| *x, Arc::new(|_, _| V::new(0.0, -1.0))));
     Ok(solve(setup)?.1.0[1] * low.powi(3) / (1.5 * PI))
-}
-
-/// Returns a body over a wall in open fluid, which moves down with a speed. It has a length, its lower and upper side
-/// are at two heights above the wall, and it begins at a fraction of a cell. Cells have the size one; the fluid ends at
-/// a distance from the body.
-fn over_floor(around: f64, length: f64, heights: [f64; 2], begins: f64, speed: f64) -> Result<Setup<2>, Failure> {
-    let cells = [length + 2.0 * around, 2.0 * around].map(|n| n as usize);
-    let background = structured_box::<2>([0.0; 2], cells.map(|n| n as f64), cells)?;
-    let mut fluid = flow::fluid(background, 1e-9, 1.0);
-    for side in ["left", "right", "bottom", "top"] {
-        let tag = fluid.background.tag(side).ok_or("a box has four sides")?;
-        let open = FluidBoundary::Open { traction: None, backflow: false };
-        fluid.boundary.push((tag, if side == "bottom" { FluidBoundary::NoSlip } else { open }));
-    }
-    let mut setup = flow::problem(fluid, 1e9);
-    setup.scheme = Arc::new(QuasiStatic);
-    fluid_mut(&mut setup)?.film = Some(FilmSetup::default());
-    let [from, to] = [around - 1.0 + begins, around - 1.0 + begins + length];
-    let [low, high] = heights;
-    let corners = [(from, low), (to, low), (to, high), (from, high)].map(|(x, y)| P::new(x, y));
-    setup.bodies.push(polygon(&[corners.to_vec()], |x, _| *x, Arc::new(move |_, _| V::new(0.0, -speed))));
-    Ok(setup)
-}
-
-/// Returns the force on a plate over a wall that ends in open fluid over that of Reynolds' equation. Its length and the
-/// gap are relative to the size of a cell, and it begins at a fraction of a cell.
-fn plate_in_fluid(along: f64, gap: f64, begins: f64) -> Result<f64, Failure> {
-    let around = 4.0 * gap.max(1.0);
-    let setup = over_floor(around, along, [gap, gap + 0.5 * around], begins, 1.0)?;
-    Ok(solve(setup)?.1.0[1] * (gap / along).powi(3))
-}
-
-/// Returns the leak below a gate between two pressures over that of a film with the resistance of the open fluid on
-/// both sides, `1.27 δ` as that of [`with_open_fluid`].
-fn leak(along: f64, gap: f64, begins: f64) -> Result<f64, Failure> {
-    const AROUND: f64 = 4.0;
-    let mut setup = over_floor(AROUND, along, [gap, 3.0 * AROUND], begins, 0.0)?;
-    let fluid = fluid_mut(&mut setup)?;
-    let [left, top] = ["left", "top"].map(|side| fluid.background.tag(side));
-    for (tag, condition) in &mut fluid.boundary {
-        if Some(*tag) == top {
-            *condition = FluidBoundary::NoSlip;
-        } else if Some(*tag) == left {
-            let traction: TractionField<2> = Arc::new(|_, n, _| -*n);
-            *condition = FluidBoundary::Open { traction: Some(traction), backflow: false };
-        }
-    }
-    let (run, _) = run(setup)?;
-    let (background, fluid) = (&flow::fluid_of(&run.setup)?.background, flow::wet(&run.state)?);
-    let [right, height] = [along + 2.0 * AROUND, 2.0 * AROUND];
-    let nodes =
-        fluid.velocity.iter().enumerate().map(|(dof, u)| (background.vertex(fluid.space.vertex(dof as u32)), u));
-    // The velocity on the right is linear between nodes at the distance one, and zero at its ends.
-    let flux: f64 = nodes.filter(|(x, _)| x[0] == right && x[1] > 0.0 && x[1] < height).map(|(_, u)| u[0]).sum();
-    Ok(flux * 12.0 * (along + 1.27 * gap) / gap.powi(3))
 }
 
 /// Returns the force on one of two square plates in space that approach each other over the exact one.

@@ -24,6 +24,7 @@ pub(crate) mod dry;
 mod exact;
 mod example;
 mod files;
+mod film_edges;
 mod films;
 mod flow;
 mod frame_change;

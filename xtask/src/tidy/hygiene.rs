@@ -14,9 +14,9 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/io/src"], 13_470),
     (&["crates/report/src"], 1590),
     (&["crates/solver/src"], 3_590),
-    (&["validation"], 14_130),
+    (&["validation"], 14_180),
     (&["xtask/src"], 2420),
-    (&[""], 83_350),
+    (&[""], 83_800),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

@@ -366,8 +366,8 @@ fn a_split_penalty_without_inertia_is_the_uniform_one() {
     assert_eq!(force_on_fluid(MortarForm::new(still, split, 7.0), v), force_on_fluid(uniform(33.0), v));
 }
 
-/// Checks a slip that varies along the film: its mean in a cell has the whole penalty, the rest is resisted by the layer
-/// of the film, too. Cells border on two facets of the body.
+/// Checks a slip that varies along the film: its mean in a cell has the whole penalty, the rest is resisted by the
+/// layer of the film, too. Cells border on two facets of the body.
 #[test]
 fn the_penalty_in_films_acts_on_the_mean_slip() {
     const RATE: f64 = 3.0;
