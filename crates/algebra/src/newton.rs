@@ -8,6 +8,13 @@ use crate::{BlockLayout, BlockSystem, Constraints, ContributionTiming, Contribut
 /// Number of successive growing corrections with exact tangents after which the iteration has diverged.
 const MAX_GROWTHS: usize = 5;
 
+/// Number of corrections that are accepted in full although no fraction of them reduces the residual. Where vapour or
+/// contact begins and ends, a full correction may raise the residual before the next ones reduce it, and the search may
+/// end in a corner in which no fraction does.
+///
+/// Source: the watchdog technique of Chamberlain, Powell, Lemarechal, Pedersen 1982, doi:10.1007/BFb0120945.
+const MAX_RISES: usize = 5;
+
 /// Largest accepted ratio `θ` of a correction with an old factorisation to the previous correction. For a larger ratio
 /// the estimated error, `θ/(1-θ)` times the correction, exceeds the correction, and the correction is discarded. A
 /// larger [`NewtonSettings::contraction`] replaces this value, up to 1.
@@ -288,7 +295,7 @@ impl Solve<'_> {
         let tolerance = self.settings.tolerance;
         let mut regime = self.equations.regime(x);
         let mut renew = true;
-        let (mut n_growths, mut is_searching) = (0, false);
+        let (mut n_growths, mut n_rises, mut is_searching) = (0, 0, false);
         self.assemble(x, true)?;
         loop {
             // The system is assembled at x, with the matrix if `renew`.
@@ -313,7 +320,16 @@ impl Solve<'_> {
                 self.report.residual_history.push(ratio(self.system.row_norm(), self.size(x).max(correction)));
             }
             is_searching |= n_growths > 0;
-            let step = if is_searching && renew { self.search(x)? } else { self.subtract_correction(x, 1.0) };
+            let step = if is_searching && renew {
+                let found = self.search(x);
+                n_rises += usize::from(found.is_none());
+                if n_rises > MAX_RISES {
+                    return Err(Stop::Diverged);
+                }
+                found.unwrap_or(1.0)
+            } else {
+                self.subtract_correction(x, 1.0)
+            };
             self.report.iterations += 1;
             let correction = ratio(correction, self.size(x));
             self.report.correction_history.push(correction);
@@ -417,28 +433,30 @@ impl Solve<'_> {
     }
 
     /// Subtracts the correction from `x`, halved until the scaled residual decreases (Armijo's rule); returns the
-    /// fraction. The iteration has diverged if the halvings that the settings allow do not reduce the residual.
+    /// fraction. If the halvings that the settings allow do not reduce the residual, the correction is subtracted in
+    /// full, and the result is `None`.
     ///
     /// A full correction that begins or ends contact may increase the residual before the next correction reduces it.
     /// Halving such a correction would only cost iterations. Therefore the search starts with the first correction that
     /// grows although its tangent is exact, and continues for all corrections with exact tangents.
-    fn search(&mut self, x: &mut [f64]) -> Result<f64, Stop> {
+    fn search(&mut self, x: &mut [f64]) -> Option<f64> {
         const LEAST_DECREASE: f64 = 1e-4;
         let before = self.system.row_norm();
         let mut fraction = self.subtract_correction(x, 1.0);
         if self.settings.max_halvings == 0 || before == 0.0 {
-            return Ok(fraction);
+            return Some(fraction);
         }
         for halvings in 0..=self.settings.max_halvings {
             if self.assemble(x, false).is_ok() && self.system.row_norm() <= (1.0 - LEAST_DECREASE * fraction) * before {
-                return Ok(fraction);
+                return Some(fraction);
             }
             if halvings < self.settings.max_halvings {
                 fraction *= 0.5;
                 self.subtract_correction(x, -fraction);
             }
         }
-        Err(Stop::Diverged)
+        self.subtract_correction(x, 1.0 - fraction);
+        None
     }
 
     /// Returns the size `s` of the state, to which errors are relative ([`newton`]).

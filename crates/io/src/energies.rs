@@ -1,4 +1,5 @@
-//! Energies that the steps of a run generated, and lost in contact, relative to the energies of the run.
+//! Energies that the steps of a run generated, and lost in contact and at surfaces, relative to the energies of the
+//! run.
 
 use mesh::Aabb;
 use serde::{Deserialize, Serialize};
@@ -31,6 +32,12 @@ pub(crate) struct Energies {
     /// it changes velocities at once.
     #[serde(default)]
     lost_in_contact: f64,
+    /// Energy that the penalty on the normal velocity at surfaces takes.
+    #[serde(default)]
+    lost_at_surfaces: f64,
+    /// Sum of the losses of energy of all steps.
+    #[serde(default)]
+    dissipated: f64,
     /// Whether each contact is one of collisions.
     #[serde(default)]
     collides: Vec<bool>,
@@ -83,6 +90,8 @@ impl Energies {
         if is_active(false) && !is_active(true) {
             self.lost_in_contact += report.ledger.body_scheme;
         }
+        self.lost_at_surfaces += report.ledger.penalty_normal;
+        self.dissipated += (-gain).max(0.0);
         self.is_undefined |= !(gain.is_finite() && defect.is_finite());
         self.largest_defect = self.largest_defect.max(defect);
         if gain > f64::EPSILON * self.of_fluid {
@@ -108,6 +117,13 @@ impl Energies {
     /// Returns `None` as [`Self::generated`] does.
     pub(crate) fn lost_in_contact(&self) -> Option<f64> {
         self.generated().map(|_| self.lost_in_contact / self.largest.max(f64::MIN_POSITIVE))
+    }
+
+    /// Returns the energy that the penalty on the normal velocity at surfaces takes, relative to the sum of the energies
+    /// of the run and all losses. Returns `None` as [`Self::generated`] does.
+    pub(crate) fn lost_at_surfaces(&self) -> Option<f64> {
+        let size = (self.largest + self.dissipated).max(f64::MIN_POSITIVE);
+        self.generated().map(|_| self.lost_at_surfaces / size)
     }
 
     /// Returns the largest energy of a step that no line of the ledger contains, relative to the energies of the run;

@@ -85,6 +85,11 @@ pub struct Summary {
     /// energies of the run. It falls with the step. None in the same cases.
     #[serde(default)]
     pub energy_lost_in_contact: Option<f64>,
+    /// Energy that the penalty on the normal velocity at surfaces takes, divided by the sum of the energies of the run
+    /// and all energy that is lost. It falls with the cells, and with `implicit-euler` rises as steps become shorter.
+    /// None in the same cases.
+    #[serde(default)]
+    pub energy_lost_at_surfaces: Option<f64>,
     /// Largest energy of a step that no line of [`solver::Ledger`] contains, divided by the same energies or line, at
     /// least the weights times the extents, and by the tolerance of Newton's method. None in the same cases.
     #[serde(default)]
@@ -278,6 +283,7 @@ impl SummaryBuilder {
         self.summary.energy_monotone = self.energies.is_monotone();
         self.summary.energy_generated = self.energies.generated();
         self.summary.energy_lost_in_contact = self.energies.lost_in_contact();
+        self.summary.energy_lost_at_surfaces = self.energies.lost_at_surfaces();
         for (contact, found) in view.setup.contacts.iter().zip(&report.contacts) {
             let least = self.summary.smallest_gap.as_ref().map_or(f64::INFINITY, |(least, _)| *least);
             if let Some(gap) = found.minimum_gap.filter(|gap| *gap < least) {

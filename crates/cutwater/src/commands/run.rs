@@ -269,6 +269,14 @@ fn print_summary(summary: &Summary, directory: &str, print_line: &mut dyn FnMut(
             0.5 * summary.dt
         ));
     }
+    if let Some(lost) = summary.energy_lost_at_surfaces.filter(|lost| *lost > MUCH_AT_SURFACES) {
+        print_line(&format!(
+            "  warning: the penalty that ties the velocity of the fluid to that of surfaces took {:.0} % of the energy of the run, so that forces on bodies that \
+             accelerate are wrong: cells near bodies are too large, or steps of `implicit-euler` too short; take smaller cells near bodies, and \
+             `time.scheme = \"generalised-alpha\"`, until `energy_lost_at_surfaces` in summary.json is below {MUCH_AT_SURFACES}",
+            100.0 * lost
+        ));
+    }
     if let Some(change) = summary.closed_volume_change.map(f64::exp_m1).filter(|change| change.abs() > MUCH_CHANGE) {
         print_line(&format!(
             "  warning: given velocities of sides or bodies change the volume of a closed region of the fluid, in all by {:.0} % of it: the fluid has nowhere to go, and \
@@ -293,6 +301,9 @@ fn overlap(summary: &Summary) -> Option<String> {
 
 /// Energy that steps generate, or lose in contact, relative to the energies of the run, above which the summary warns.
 const MUCH_ENERGY: f64 = 0.05;
+/// Energy that the penalty at surfaces takes, relative to the energies of the run and all losses, above which the
+/// summary warns. Resolved flows past bodies lose less than half of it.
+const MUCH_AT_SURFACES: f64 = 0.03;
 /// Change of the volume of closed regions, relative to that at the start, above which the summary warns.
 const MUCH_CHANGE: f64 = 0.05;
 /// Share of divided steps at and above which the summary advises a shorter step.

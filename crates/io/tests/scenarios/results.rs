@@ -130,7 +130,7 @@ fn summary_has_exactly_the_agreed_keys() {
     let text = serde_json::to_value(Summary::default()).expect("JSON");
     let mut keys: Vec<&str> = text.as_object().expect("an object").keys().map(String::as_str).collect();
     let expected = "bodies case cells closed_volume_change contact_intervals contact_offset contact_time dimension dofs dt energy_defect \
-                    energy_generated energy_lost_in_contact energy_monotone factorizations \
+                    energy_generated energy_lost_at_surfaces energy_lost_in_contact energy_monotone factorizations \
                     fallbacks half_domain leading linear_solver max_interface_leak max_penetration max_penetration_over_s \
                     min_distance newton_iterations nnz peak_rss_bytes release_time stabilisation steps timings units \
                     wall_seconds";
