@@ -7,7 +7,7 @@ use mesh::{
 };
 use xfem_space::PartValues;
 
-use crate::film_layer::{extent, interpolated_layer};
+use crate::film_layer::{Layers, extent};
 
 /// Two surfaces are opposite if the scalar product of their unit normals is below this value: one normal and the
 /// reverse of the other one enclose less than 60 degrees.
@@ -123,8 +123,12 @@ pub struct FilmPart<const D: usize> {
     pub gap: f64,
     /// Unit normal of the closest surface: the direction across the film.
     pub normal: Vector<D>,
-    /// Thickness `d` of the layer of cells: the extent of the part across the film, or the gap if that is less.
+    /// Thickness `d` of the layer of cells, that with the missing flux of linear interpolation; at most the extent of a
+    /// cut part across the film, and the gap.
     pub layer: f64,
+    /// Flux that layers represent, relative to the missing one: `(max(δ, k)/max(d, k))² - 1` with the height `k` of the
+    /// asperities, at most the extent of the cell.
+    pub represented: f64,
     /// Quadrature points in the part and on its surfaces. Their weights contain the conductance times the viscosity:
     /// `χ max(d, min(k, h))²/12` in the part and `-χ s ℓ d²/12` on surfaces, with the symbols of
     /// [`crate::terms::Film`], times a factor in the last part of a film that ends at an edge. The sum of the weights
@@ -150,9 +154,8 @@ impl<const D: usize> FilmPart<D> {
     /// functions of dofs in open fluid at a point, the share of the parabola that the velocity does not represent.
     pub(crate) fn end_with(&mut self, length: f64, open: impl Fn(&Point<D>) -> f64) {
         self.at_edge = true;
-        let unresolved = if self.layer > 0.0 { (self.gap / self.layer).powi(2) - 1.0 } else { 0.0 };
         for (x, weight) in &mut self.points {
-            *weight *= (1.0 + open(x) * unresolved) / length.max(SHORTEST);
+            *weight *= (1.0 + open(x) * self.represented) / length.max(SHORTEST);
         }
     }
 }
@@ -161,8 +164,7 @@ impl<const D: usize> FilmPart<D> {
 ///
 /// One layer of linear cells represents the shear flow between two moving surfaces, but not the parabolic flow that a
 /// pressure gradient drives between them. `N` layers carry the fraction `1 - 1/N²` of the parabolic flow. The missing
-/// flux per thickness is `d²/(12 μ)` times the gradient. The thickness `d` of a layer is the extent across the film of
-/// the cell, or of the part if the cell is cut, and at most the gap `δ`.
+/// flux per thickness is `d²/(12 μ)` times the gradient, with the thickness `d` of a layer ([`FilmPart::layer`]).
 #[derive(Clone, Debug, Default)]
 pub struct FilmValues<const D: usize> {
     films: Vec<FilmPart<D>>,
@@ -182,7 +184,7 @@ impl<const D: usize> FilmValues<D> {
         roughness: f64,
     ) -> Self {
         let mut values = Self { films: Vec::new(), of_part: vec![0; cut.n_parts()] };
-        let mut near = Vec::new();
+        let (layers, mut near) = (Layers::new(background), Vec::new());
         for part in cut.all_parts() {
             let simplex = background.simplex(cut.part_cell(part));
             let reach = RAMP[1] * simplex.diameter();
@@ -198,13 +200,16 @@ impl<const D: usize> FilmValues<D> {
             if !cut.is_whole(part) {
                 cut.for_each_simplex(background, part, |points| corners.extend_from_slice(points));
             }
-            let layer = interpolated_layer(background, cut.part_cell(part), &normal);
+            let layer = layers.thickness(cut.part_cell(part), &normal);
             let layer = if corners.is_empty() { layer } else { extent(&corners, &normal).min(layer) };
             let is_sliver = layer < SLIVER * gap;
+            let asperities = roughness.min(height);
+            let thinnest = layer.min(gap).max(asperities);
+            let represented = if thinnest > 0.0 { (gap.max(asperities) / thinnest).powi(2) - 1.0 } else { 0.0 };
             let mut points = Vec::new();
             parts.for_each_point(background, cut, part, DEGREE, |x, weight, _| {
                 let gap = surfaces.feet(x, &near).map_or(gap, |feet| self::gap(&feet));
-                let thickness = gap.min(layer).max(roughness.min(height));
+                let thickness = gap.min(layer).max(asperities);
                 points.push((*x, weight * share * thickness.powi(2) / 12.0));
             });
             values.films.push(FilmPart {
@@ -212,6 +217,7 @@ impl<const D: usize> FilmValues<D> {
                 gap,
                 normal,
                 layer: layer.min(gap),
+                represented,
                 points,
                 is_sliver,
                 at_edge: false,

@@ -1,10 +1,10 @@
 //! The mortaring form.
 
-use algebra::Integral;
+use algebra::{Integral, Sites};
 use fluid_ns::NewtonianFluid;
 
-use crate::InterfacePoints;
 use crate::terms::{AdjointConsistency, Consistency, Penalty, PenaltyProfile};
+use crate::{InterfacePoints, MeanSlips};
 
 /// The three mortaring terms.
 pub struct MortarForm {
@@ -34,5 +34,14 @@ impl MortarForm {
     ) -> Integral<'p, InterfacePoints<'p, D>> {
         let integral = if points.solid.is_none() { Integral::linear } else { Integral::new };
         integral("interface", points, vec![&self.consistency, &self.adjoint_consistency, &self.penalty])
+    }
+
+    /// Returns the weak form of the mean slip on surfaces along films; `None` if there are none.
+    pub fn in_films<'p, const D: usize>(
+        &'p self,
+        points: InterfacePoints<'p, D>,
+    ) -> Option<Integral<'p, MeanSlips<'p, D>>> {
+        let slips = MeanSlips(points);
+        (!slips.is_empty()).then(|| Integral::linear("slip in films", slips, vec![&self.penalty]))
     }
 }

@@ -1,100 +1,95 @@
-//! Mean slip of the fluid along surfaces in films.
+//! The mean slip on surfaces along films.
 
-use std::collections::BTreeMap;
+use algebra::{DofId, Sites};
+use body::SurfaceVelocity;
+use mesh::{Tensor, Vector};
 
-use cutcell::CutMesh;
-use fluid_ns::FilmValues;
-use mesh::{BoundaryMesh, MAX_CELL_VERTICES, Tensor, Vector, VertexId};
+use crate::InterfacePoints;
+use crate::slip_patch::{SlipPatch, along_surface};
 
-use crate::PiecePoint;
+/// The surfaces along films: one item and one site per side of a body in a fluid part.
+#[derive(Clone)]
+pub struct MeanSlips<'a, const D: usize>(pub InterfacePoints<'a, D>);
 
-/// Least scalar product of the normals of a surface and of the film for a surface along the film: they enclose less
-/// than 60 degrees.
-const ALONG: f64 = 0.5;
-
-/// The pieces of one surface of a body along the film in a fluid part.
+/// The mean slip `m`, mean of `P (u - v_s)` over one side of a body in a fluid part with a film, with the projection
+/// `P = I - n ⊗ n`.
 ///
-/// The velocity of a layer of the film is a linear function. It cannot both vary along the film and be that of the body
-/// on the whole surface. Its mean can ([`crate::terms::Penalty`]).
-#[derive(Clone, Debug)]
-pub(crate) struct SlipPatch<const D: usize> {
-    /// Numbers of the pieces.
-    pub(crate) pieces: Vec<usize>,
-    /// Length `χ d`: thickness of the layer times the share of the film.
-    pub(crate) thickness: f64,
-    /// Sum of the weights of all points.
-    pub(crate) weight: f64,
-    /// Mean of `N_i P` for each fluid vertex, with the projection `P = I - n ⊗ n` onto the surface.
-    pub(crate) fluid: [Tensor<D>; MAX_CELL_VERTICES],
-    /// Mean of `N_k P` for each node of the body on the surface.
-    pub(crate) solid: Vec<(VertexId, Tensor<D>)>,
-}
-
-/// The mean slip `m`, mean of `P (u - v_s)` over the pieces of a [`SlipPatch`].
+/// Local unknowns: velocity component `a` of fluid node `i` at row `D i + a`, then the velocities of the nodes of the
+/// body on the surface, unless its motion is prescribed.
 pub struct MeanSlip<const D: usize> {
     /// The mean.
     pub value: Vector<D>,
-    /// Length `χ d`: thickness of the layer of the film times the share of the film.
+    /// Measure of the surface, with the weight of the coordinates.
+    pub weight: f64,
+    /// Length `χ d`: thickness of the layer of the film times its share; zero for `α < 1`, where the traction of the
+    /// solid varies on the surface, and all of the slip is penalised.
     pub thickness: f64,
-    /// Local row of each unknown on which the mean depends, with the derivative.
-    pub derivatives: Vec<(usize, Vector<D>)>,
+    /// Viscous length ([`crate::PieceValues::viscous_length`]).
+    pub viscous_length: f64,
+    /// Derivatives of the mean with respect to the local unknowns.
+    pub derivatives: Vec<Vector<D>>,
 }
 
-/// Returns the projection onto a surface with a unit normal.
-pub(crate) fn along_surface<const D: usize>(normal: &Vector<D>) -> Tensor<D> {
-    Tensor::identity() - normal * normal.transpose()
+impl<const D: usize> MeanSlips<'_, D> {
+    fn patches(&self) -> &[SlipPatch<D>] {
+        self.0.values.patches()
+    }
+
+    /// Calls `visit` with the mean slip of each piece of the interface on a surface along a film, given its number.
+    pub(crate) fn for_each_piece(&self, x: &[f64], mut visit: impl FnMut(usize, &MeanSlip<D>)) {
+        for (item, patch) in self.patches().iter().enumerate() {
+            self.visit(item, x, |slip| patch.pieces.iter().for_each(|piece| visit(*piece, slip)));
+        }
+    }
 }
 
-/// Collects the patches of a cut, and for each piece the number of its patch. `points` returns the quadrature points of
-/// a piece.
-pub(crate) fn patches<'p, const D: usize>(
-    cut: &CutMesh<D>,
-    films: &FilmValues<D>,
-    surfaces: &[&BoundaryMesh<D>],
-    points: impl Fn(usize) -> &'p [PiecePoint<D>],
-) -> (Vec<SlipPatch<D>>, Vec<Option<usize>>) {
-    let mut of_piece = vec![None; cut.interface().len()];
-    let mut numbers = BTreeMap::new();
-    let mut patches: Vec<SlipPatch<D>> = Vec::new();
-    for (item, piece) in cut.interface().iter().enumerate() {
-        let weight: f64 = points(item).iter().map(|at| at.weight).sum();
-        let Some(film) = films.of(piece.part).filter(|_| weight > 0.0) else { continue };
-        let across = piece.normal.dot(&film.normal);
-        if across.abs() < ALONG {
-            continue;
+impl<const D: usize> Sites for MeanSlips<'_, D> {
+    type Site = MeanSlip<D>;
+
+    fn len(&self) -> usize {
+        self.patches().len()
+    }
+
+    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+        let (patch, fields) = (&self.patches()[item], self.0.fields);
+        let dofs = self.0.geometry.space.dofs(patch.part);
+        dofs.iter().for_each(|&dof| out.extend(fields.layout.node(fields.velocity, dof as usize)));
+        if let Some(field) = self.0.surfaces[patch.body.index()].field() {
+            patch.solid.iter().for_each(|(node, _)| out.extend(fields.layout.node(field, node.index())));
         }
-        let number = *numbers.entry((piece.part, piece.body, across > 0.0)).or_insert(patches.len());
-        if number == patches.len() {
-            patches.push(SlipPatch {
-                pieces: Vec::new(),
-                thickness: film.share * film.layer,
-                weight: 0.0,
-                fluid: [Tensor::zeros(); MAX_CELL_VERTICES],
-                solid: Vec::new(),
-            });
+    }
+
+    fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
+        let (patch, points) = (&self.patches()[item], &self.0);
+        let mut value = Vector::zeros();
+        let mut derivatives = Vec::new();
+        let mut add = |mean: &Tensor<D>| derivatives.extend((0..D).map(|a| mean.column(a).into_owned()));
+        for (dof, mean) in points.geometry.space.dofs(patch.part).iter().zip(&patch.fluid) {
+            value += mean * points.fields.velocity_at(x, *dof);
+            add(mean);
         }
-        of_piece[item] = Some(number);
-        let patch = &mut patches[number];
-        patch.pieces.push(item);
-        patch.weight += weight;
-        let along = along_surface(&piece.normal);
-        let nodes = surfaces[piece.body.index()].nodes(piece.facet);
-        for at in points(item) {
-            let fluid = patch.fluid.iter_mut().zip(&at.fluid);
-            fluid.for_each(|(sum, value)| *sum += along * (at.weight * value));
-            for (node, value) in nodes.iter().zip(&at.solid) {
-                let known = patch.solid.iter().position(|(other, _)| other == node);
-                let position = known.unwrap_or_else(|| {
-                    patch.solid.push((*node, Tensor::zeros()));
-                    patch.solid.len() - 1
-                });
-                patch.solid[position].1 += along * (at.weight * value);
+        match &points.surfaces[patch.body.index()].velocity {
+            SurfaceVelocity::Field(field) => {
+                for (node, mean) in &patch.solid {
+                    value -= mean * Vector::from(points.fields.layout.at(*field, node.index(), x));
+                    add(&-mean);
+                }
+            }
+            SurfaceVelocity::Given(of_body) => {
+                for &piece in &patch.pieces {
+                    let along = along_surface(&points.geometry.cut.interface()[piece].normal);
+                    for at in points.values.points(piece) {
+                        value -= along * of_body(&at.point) * (at.weight / patch.weight);
+                    }
+                }
             }
         }
+        visit(&MeanSlip {
+            value,
+            weight: patch.weight,
+            thickness: points.film_thickness(patch),
+            viscous_length: points.values.viscous_length(patch.pieces[0]),
+            derivatives,
+        });
     }
-    for patch in &mut patches {
-        patch.fluid.iter_mut().for_each(|sum| *sum /= patch.weight);
-        patch.solid.iter_mut().for_each(|(_, sum)| *sum /= patch.weight);
-    }
-    (patches, of_piece)
 }

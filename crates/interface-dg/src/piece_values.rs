@@ -8,7 +8,7 @@ use mesh::{BoundaryMesh, MAX_CELL_VERTICES, MAX_FACET_NODES, Order, Point, Simpl
 use xfem_space::{PartValues, XfemSpace};
 
 use crate::PiecePoint;
-use crate::mean_slip::{self, SlipPatch};
+use crate::slip_patch::{self, SlipPatch};
 
 /// Largest viscous length of a piece in a film, in heights `V/A` of its part ([`PieceValues::set_films`]). The
 /// symmetric mortar is coercive up to `γ_t/2` heights, 17.5 for the standard stabilisation; 8 is below half of this
@@ -30,9 +30,9 @@ pub struct PieceValues<const D: usize> {
     viscous_lengths: Vec<f64>,
     relative_speeds: Vec<f64>,
     relative_accelerations: Option<Vec<f64>>,
-    patches: Vec<Option<usize>>,
-    /// The patches of surfaces along films, to which `patches` refers.
-    in_films: Vec<SlipPatch<D>>,
+    /// Number of the patch of each piece on a surface along a film.
+    patch: Vec<Option<usize>>,
+    patches: Vec<SlipPatch<D>>,
 }
 
 impl<const D: usize> PieceValues<D> {
@@ -58,8 +58,8 @@ impl<const D: usize> PieceValues<D> {
             viscous_lengths: Vec::with_capacity(n),
             relative_speeds: vec![0.0; n],
             relative_accelerations: None,
-            patches: vec![None; n],
-            in_films: Vec::new(),
+            patch: vec![None; n],
+            patches: Vec::new(),
         };
         for piece in cut.interface() {
             let (simplex, surface) = (background.simplex(piece.cell), surfaces[piece.body.index()]);
@@ -158,8 +158,7 @@ impl<const D: usize> PieceValues<D> {
                 *length = length.min(film.gap).min(LARGEST_LENGTH_IN_HEIGHTS * height.max(LEAST_HEIGHT * film.gap));
             }
         }
-        let (in_films, patches) = mean_slip::patches(cut, films, surfaces, |item| self.points(item));
-        (self.in_films, self.patches) = (in_films, patches);
+        (self.patches, self.patch) = slip_patch::patches(cut, films, surfaces, |item| self.points(item));
     }
 
     /// Returns the quadrature points of a piece.
@@ -203,6 +202,12 @@ impl<const D: usize> PieceValues<D> {
     /// Returns the patch of a piece on a surface along a film; `None` for other pieces.
     #[inline]
     pub(crate) fn patch(&self, piece: usize) -> Option<&SlipPatch<D>> {
-        self.patches[piece].map(|number| &self.in_films[number])
+        self.patch[piece].map(|number| &self.patches[number])
+    }
+
+    /// Returns the patches of all surfaces along films.
+    #[inline]
+    pub(crate) fn patches(&self) -> &[SlipPatch<D>] {
+        &self.patches
     }
 }

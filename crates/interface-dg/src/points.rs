@@ -8,7 +8,7 @@ use cutcell::InterfacePiece;
 use fluid_ns::{FluidFields, FluidGeometry, NewtonianFluid};
 use mesh::{BodyId, MAX_CELL_VERTICES, MAX_FACET_NODES, Tensor, Vector, VertexId};
 
-use crate::mean_slip::{MeanSlip, SlipPatch, along_surface};
+use crate::slip_patch::SlipPatch;
 use crate::{PiecePoint, PieceValues, SolidShare, SolidTraction};
 
 /// The interface pieces of a step: one item per piece, one site per quadrature point.
@@ -32,7 +32,7 @@ pub struct InterfacePoints<'a, const D: usize> {
 ///
 /// Local unknowns: velocity component `a` of fluid node `i` at row `D i + a`, then the pressures of the fluid nodes,
 /// then the velocity of the nodes of the body on the facet, unless its motion is prescribed, then the other unknowns on
-/// which the traction of the solid or the mean slip depends.
+/// which the traction of the solid depends.
 pub struct MortarPoint<'a, const D: usize> {
     /// Geometry and shape values.
     pub at: &'a PiecePoint<D>,
@@ -53,8 +53,8 @@ pub struct MortarPoint<'a, const D: usize> {
     pub velocity: Vector<D>,
     /// Fluid velocity minus velocity of the body.
     pub jump: Vector<D>,
-    /// The mean slip on the surface along a film; `None` elsewhere, and if `α < 1`.
-    pub mean_slip: Option<Arc<MeanSlip<D>>>,
+    /// Length `χ d` on surfaces along films ([`crate::MeanSlip::thickness`]); zero elsewhere.
+    pub film_thickness: f64,
     /// Pressure.
     pub pressure: f64,
     /// Traction `T^f(u, p) n^f`.
@@ -111,47 +111,9 @@ impl<const D: usize> InterfacePoints<'_, D> {
         share.map_or(1.0, |solid| solid.alpha)
     }
 
-    /// Returns the patch of a piece on a surface along a film. There is none for `α < 1`, for which the traction of the
-    /// solid varies over the patch.
-    fn patch(&self, item: usize) -> Option<&SlipPatch<D>> {
-        let body = self.geometry.cut.interface()[item].body;
-        self.values.patch(item).filter(|_| self.alpha(body) == 1.0)
-    }
-
-    /// Returns the mean slip on a patch of a body, with derivatives with respect to the local unknowns, whose `dofs`
-    /// and velocities of the fluid are given.
-    fn mean_slip(
-        &self,
-        body: BodyId,
-        patch: &SlipPatch<D>,
-        dofs: &[DofId],
-        velocities: &[Vector<D>],
-        x: &[f64],
-    ) -> MeanSlip<D> {
-        let mut slip = MeanSlip { value: Vector::zeros(), thickness: patch.thickness, derivatives: Vec::new() };
-        for (i, (mean, u)) in patch.fluid[..=D].iter().zip(velocities).enumerate() {
-            slip.value += mean * u;
-            slip.derivatives.extend((0..D).map(|a| (D * i + a, mean.column(a).into_owned())));
-        }
-        match &self.surfaces[body.index()].velocity {
-            SurfaceVelocity::Field(field) => {
-                for (node, mean) in &patch.solid {
-                    slip.value -= mean * Vector::from(self.fields.layout.at(*field, node.index(), x));
-                    let of_node = self.fields.layout.node(*field, node.index()).enumerate();
-                    let row = |dof: DofId| dofs.iter().position(|other| *other == dof);
-                    slip.derivatives.extend(of_node.filter_map(|(a, dof)| Some((row(dof)?, -mean.column(a)))));
-                }
-            }
-            SurfaceVelocity::Given(of_body) => {
-                for &item in &patch.pieces {
-                    let along = along_surface(&self.geometry.cut.interface()[item].normal);
-                    for at in self.values.points(item) {
-                        slip.value -= along * of_body(&at.point) * (at.weight / patch.weight);
-                    }
-                }
-            }
-        }
-        slip
+    /// Returns [`crate::MeanSlip::thickness`] of a patch.
+    pub(crate) fn film_thickness(&self, patch: &SlipPatch<D>) -> f64 {
+        if self.alpha(patch.body) == 1.0 { patch.thickness } else { 0.0 }
     }
 }
 
@@ -181,13 +143,6 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
             of_stress.retain(|dof| !out[first..].contains(dof));
             out.extend(of_stress);
         }
-        if let (Some(patch), Some(field)) = (self.patch(item), surface.field()) {
-            for (node, _) in &patch.solid {
-                let of_node = layout.node(field, node.index());
-                let others: Vec<_> = of_node.filter(|dof| !out[first..].contains(dof)).collect();
-                out.extend(others);
-            }
-        }
     }
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
@@ -209,13 +164,12 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
             on_facet = surface.boundary.at_nodes(piece.facet, velocity);
         }
         let viscous_traction = self.fluid.viscous_traction(&grad_u, &-piece.normal);
-        let (patch, mut dofs) = (self.patch(item), Vec::new());
-        if patch.is_some() || self.solid.is_some() {
+        let solid = self.solid.as_ref().and_then(|solid| {
+            let mut dofs = Vec::new();
             self.dofs(item, &mut dofs);
-        }
-        let solid = self.solid.as_ref().and_then(|solid| solid.on_facet(piece.body, piece.facet, &dofs, x));
-        let solid = solid.map(Arc::new);
-        let mean_slip = patch.map(|patch| Arc::new(self.mean_slip(piece.body, patch, &dofs, &velocities, x)));
+            solid.on_facet(piece.body, piece.facet, &dofs, x).map(Arc::new)
+        });
+        let film_thickness = self.values.patch(item).map_or(0.0, |patch| self.film_thickness(patch));
         for at in self.values.points(item) {
             let mut velocity = Vector::zeros();
             let mut pressure = 0.0;
@@ -238,7 +192,7 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
                 relative_acceleration: self.values.relative_acceleration(item),
                 velocity,
                 jump,
-                mean_slip: mean_slip.clone(),
+                film_thickness,
                 pressure,
                 traction: viscous_traction + piece.normal * pressure,
                 alpha: self.alpha(piece.body),

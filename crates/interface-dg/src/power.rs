@@ -4,6 +4,7 @@ use algebra::Sites;
 
 use crate::InterfacePoints;
 use crate::terms::Penalty;
+use crate::traction::tractions_by_mean;
 
 /// Powers on the interface. Units: energy/time (2D: per unit depth).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,10 +24,11 @@ pub fn interface_power<const D: usize>(
     x: &[f64],
 ) -> InterfacePower {
     let mut power = InterfacePower::default();
+    let by_mean = tractions_by_mean(points, penalty, x);
     for item in 0..points.len() {
         points.visit(item, x, |q| {
             let n = &q.piece.normal;
-            let traction = penalty.weighted_traction(q);
+            let traction = penalty.weighted(q) * q.jump + by_mean[item] * q.at.weight;
             let along = q.jump.dot(n);
             power.penalty_normal += traction.dot(n) * along;
             power.penalty_tangential += traction.dot(&(q.jump - n * along));

@@ -3,8 +3,9 @@
 use algebra::Sites;
 use mesh::{Point, Tensor, Vector, moment_of};
 
-use crate::InterfacePoints;
+use crate::slip_patch::along_surface;
 use crate::terms::Penalty;
+use crate::{InterfacePoints, MeanSlips};
 
 /// Means over one interface piece, with the normal `n` out of the body. Units of tractions: force per area.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +47,7 @@ pub fn interface_tractions<const D: usize>(
     penalty: &Penalty,
     x: &[f64],
 ) -> Vec<InterfaceTraction<D>> {
+    let by_mean = tractions_by_mean(points, penalty, x);
     (0..points.len())
         .map(|item| {
             let mut mean = InterfaceTraction {
@@ -65,7 +67,7 @@ pub fn interface_tractions<const D: usize>(
                 mean.exchange -= (shared - q.traction) * q.at.weight;
                 mean.pressure -= q.piece.normal * (q.pressure * q.at.weight);
                 mean.jump += q.jump * q.at.weight;
-                let by_penalty = penalty.weighted_traction(q);
+                let by_penalty = penalty.weighted(q) * q.jump + by_mean[item] * q.at.weight;
                 mean.penalty += by_penalty;
                 mean.middle += q.at.point * q.at.weight;
                 mean.first_moment += (by_penalty - shared * q.at.weight) * q.at.point.transpose();
@@ -84,4 +86,18 @@ pub fn interface_tractions<const D: usize>(
             mean
         })
         .collect()
+}
+
+/// Returns the traction `(σ_t - σ_f) P m` of the penalty on the mean slip for each piece; zero where there is none.
+pub(crate) fn tractions_by_mean<const D: usize>(
+    points: &InterfacePoints<'_, D>,
+    penalty: &Penalty,
+    x: &[f64],
+) -> Vec<Vector<D>> {
+    let pieces = points.geometry.cut.interface();
+    let mut tractions = vec![Vector::zeros(); pieces.len()];
+    MeanSlips(points.clone()).for_each_piece(x, |piece, slip| {
+        tractions[piece] = along_surface(&pieces[piece].normal) * slip.value * penalty.of_mean(slip);
+    });
+    tractions
 }

@@ -165,7 +165,8 @@ impl<const D: usize> Problem<'_, D> {
             ledger.fluid_scheme -= end - start;
             ledger.change += change;
             ledger.scheme_storage += end - start - transfer - change;
-            let mortar = work(&fluid.mortar.contributions(points.clone()));
+            let in_films = fluid.mortar.in_films(points.clone()).map_or(0.0, |slips| work(&slips));
+            let mortar = work(&fluid.mortar.contributions(points.clone())) + in_films;
             known += mortar;
             let power = interface_power(points, &fluid.mortar.penalty, x);
             ledger.penalty_normal = dt * power.penalty_normal;

@@ -38,6 +38,7 @@ impl<const D: usize> Step<'_, D> {
         let interface = self.interface();
         if let (Some(fluid), Some(points)) = (&self.fluid, &interface) {
             contributions.push(Box::new(fluid.mortar.contributions(points.clone())));
+            contributions.extend(fluid.mortar.in_films(points.clone()).map(|slips| Box::new(slips) as _));
         }
         let moved = interface.as_ref().map_or_else(Vec::new, |points| self.moved_surfaces(points));
         for (_, surface) in &moved {

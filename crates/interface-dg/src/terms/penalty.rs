@@ -1,10 +1,8 @@
 //! Penalty on the velocity jump.
 
-use std::sync::Arc;
-
 use algebra::{LocalSystem, Term};
 use fluid_ns::NewtonianFluid;
-use mesh::{Tensor, Vector};
+use mesh::Tensor;
 
 use crate::{MeanSlip, MortarPoint};
 
@@ -52,11 +50,10 @@ impl PenaltyProfile {
 /// `h_K` is the size of the background cell. In `γ μ/h_K` the viscous length takes its place, which is less in films.
 /// `|u* - v^n|` is the largest relative speed on the piece, at the start of the step or extrapolated to its stage.
 /// `|a* - b^n|` is the largest relative acceleration of particles at the start.
-/// On surfaces along films `σ_t` acts on the mean `m` of the slip `P (u - v_s)` over a patch, with the projection
-/// `P = I - n ⊗ n`, and on the difference from it `σ_f = 1/(1/σ_t + χ d/μ)`:
-/// `(S_f (u - v_s) + (σ_t - σ_f) P m, v - w)_Σ`, `S_f = σ_f P + σ_n n ⊗ n`, with the thickness `d` of the layer of the
-/// film and its share `χ`. A patch consists of the pieces of one body in one fluid part ([`crate::PieceValues`]). See
-/// docs/adr/0044-mean-slip-in-films.md.
+/// On surfaces along films `σ_t` acts on the mean `m` of the slip `P (u - v_s)`, `P = I - n ⊗ n`, over each side of a body
+/// in a fluid part, and `σ_f = 1/(1/σ_t + χ d/μ)` on the rest, with the thickness `d` of the layer of the film and its
+/// share `χ`: the term is `(S_f (u - v_s), v - w)_Σ` on pieces, with `σ_f` in place of `σ_t`, and `(σ_t - σ_f) m · m(v - w)
+/// |Σ|` on the side ([`MeanSlip`]). See docs/adr/0044-mean-slip-in-films.md.
 pub struct Penalty {
     /// The scaling.
     pub profile: PenaltyProfile,
@@ -94,42 +91,54 @@ impl Penalty {
         }
     }
 
-    /// Returns the matrices of the jump `S_f` and of the mean slip `(σ_t - σ_f) P`, times the weight of the point.
-    /// Without a mean slip they are `S` and zero.
-    fn weighted<const D: usize>(&self, q: &MortarPoint<'_, D>) -> [Tensor<D>; 2] {
-        let [normal, tangential] =
-            self.eigenvalues([q.cell_size, q.viscous_length], q.relative_speed, q.relative_acceleration);
-        // The penalty and the layer are springs in series.
-        let in_layer = |slip: &Arc<MeanSlip<D>>| 1.0 / (1.0 / tangential + slip.thickness / self.fluid.viscosity);
-        let of_jump = q.mean_slip.as_ref().map_or(tangential, in_layer);
-        let across = q.piece.normal * q.piece.normal.transpose();
-        let of_mean = (Tensor::identity() - across) * (q.at.weight * (tangential - of_jump));
-        let weight = q.at.weight;
-        [Tensor::from_diagonal_element(weight * of_jump) + across * (weight * (normal - of_jump)), of_mean]
+    /// Returns `σ_f`, with the penalty and the layer of a film as springs in series.
+    fn in_layer(&self, tangential: f64, film_thickness: f64) -> f64 {
+        if film_thickness > 0.0 { 1.0 / (1.0 / tangential + film_thickness / self.fluid.viscosity) } else { tangential }
     }
 
-    /// Returns the traction on the body, `S (u - v_s)` with the mean slip in films, times the weight of the point.
-    pub(crate) fn weighted_traction<const D: usize>(&self, q: &MortarPoint<'_, D>) -> Vector<D> {
-        let [of_jump, of_mean] = self.weighted(q);
-        let of_jump = of_jump * q.jump;
-        q.mean_slip.as_ref().map_or(of_jump, |slip| of_jump + of_mean * slip.value)
+    /// Returns `S_f` times the weight of the point.
+    pub(crate) fn weighted<const D: usize>(&self, q: &MortarPoint<'_, D>) -> Tensor<D> {
+        let [normal, tangential] =
+            self.eigenvalues([q.cell_size, q.viscous_length], q.relative_speed, q.relative_acceleration);
+        let tangential = self.in_layer(tangential, q.film_thickness);
+        let n = &q.piece.normal;
+        let weight = q.at.weight;
+        Tensor::from_diagonal_element(weight * tangential) + n * n.transpose() * (weight * (normal - tangential))
+    }
+
+    /// Returns `σ_t - σ_f`. The tangential eigenvalue depends on the viscous length only.
+    pub(crate) fn of_mean<const D: usize>(&self, slip: &MeanSlip<D>) -> f64 {
+        let [_, tangential] = self.eigenvalues([slip.viscous_length; 2], 0.0, None);
+        tangential - self.in_layer(tangential, slip.thickness)
     }
 }
 
 impl<const D: usize> Term<MortarPoint<'_, D>> for Penalty {
     fn add(&self, q: &MortarPoint<'_, D>, out: &mut LocalSystem) {
-        let traction = self.weighted_traction(q);
-        let [of_jump, of_mean] = self.weighted(q);
+        let weighted = self.weighted(q);
         for (row, test) in q.jump_basis() {
-            out.add_vector::<D>(row, traction * test);
+            let tested = weighted * test;
+            out.add_vector::<D>(row, tested * q.jump);
             if !out.has_tangent() {
                 continue;
             }
             for (column, trial) in q.jump_basis() {
-                out.add_block::<D, D>(row, column, of_jump * (test * trial));
+                out.add_block::<D, D>(row, column, tested * trial);
             }
-            for (column, by_unknown) in q.mean_slip.iter().flat_map(|slip| &slip.derivatives) {
-                out.add_block::<D, 1>(row, *column, of_mean * by_unknown * test);
+        }
+    }
+}
+
+impl<const D: usize> Term<MeanSlip<D>> for Penalty {
+    fn add(&self, slip: &MeanSlip<D>, out: &mut LocalSystem) {
+        let weight = slip.weight * self.of_mean(slip);
+        for (row, test) in slip.derivatives.iter().enumerate() {
+            out.add(row, weight * test.dot(&slip.value));
+            if !out.has_tangent() {
+                continue;
+            }
+            for (column, trial) in slip.derivatives.iter().enumerate() {
+                out.add_tangent(row, column, weight * test.dot(trial));
             }
         }
     }

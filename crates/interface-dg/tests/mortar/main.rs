@@ -15,7 +15,7 @@ use interface_dg::{
     interface_tractions,
 };
 use mesh::generate::structured_box;
-use mesh::{BodyId, MAX_FACET_NODES, Placed, Point, SimplexMesh, Tensor, Vector, VertexId};
+use mesh::{BodyId, Coordinates, MAX_FACET_NODES, Placed, Point, SimplexMesh, Tensor, Vector, VertexId};
 use xfem_space::{PartValues, XfemSpace, face_values};
 
 type V = Vector<2>;
@@ -44,7 +44,13 @@ impl Fixture {
 
     /// Creates the fixture with the sides of the body at two places.
     fn between(left: f64, right: f64) -> Self {
-        let background = structured_box::<2>([0.0, 0.0], [2.0, 2.0], [2, 2]).expect("a box");
+        Self::of(left, right, 2, Coordinates::Cartesian)
+    }
+
+    /// Creates the fixture with a height of the background and coordinates.
+    fn of(left: f64, right: f64, height: usize, coordinates: Coordinates) -> Self {
+        let background = structured_box::<2>([0.0, 0.0], [2.0, height as f64], [2, height]).expect("a box");
+        let background = background.with_coordinates(coordinates).expect("a meridian half-plane");
         let body = structured_box::<2>([left, 0.0], [right, 0.4], [3, 1]).expect("a box");
         let boundary = body.boundary();
         let placed = [Placed::new(&boundary, body.vertices())];
@@ -117,9 +123,13 @@ impl Fixture {
         layout.set(pressure, space.vertices().iter().map(|k| [p(&at(k))]), &mut x);
         layout.set(field, vec![v.into(); self.body.n_vertices()], &mut x);
         let interface = form.contributions(points.clone());
-        assert!(check_tangent(&interface, &x, 1e-5) < 1e-9);
-        let mut system = BlockSystem::new(&layout, &[&interface], &Constraints::new());
-        system.assemble_residual(&[&interface], &x);
+        let in_films = form.in_films(points.clone());
+        assert_eq!(in_films.is_some(), self.is_film);
+        let mut terms: Vec<&dyn Contributions> = vec![&interface];
+        terms.extend(in_films.iter().map(|slips| slips as &dyn Contributions));
+        assert!(terms.iter().all(|terms| check_tangent(*terms, &x, 1e-5) < 1e-9));
+        let mut system = BlockSystem::new(&layout, &terms, &Constraints::new());
+        system.assemble_residual(&terms, &x);
         let sum = system.residual();
         let force = [velocity, field].map(|field| layout.values::<2>(field, sum).map(V::from).sum());
         visit(&points, &form, &x, force, sum[layout.range(pressure)].iter().sum())
@@ -366,38 +376,47 @@ fn a_split_penalty_without_inertia_is_the_uniform_one() {
     assert_eq!(force_on_fluid(MortarForm::new(still, split, 7.0), v), force_on_fluid(uniform(33.0), v));
 }
 
-/// Checks a slip that varies along the film: its mean in a cell has the whole penalty, the rest is resisted by the
-/// layer of the film, too. Cells border on two facets of the body.
-#[test]
-fn the_penalty_in_films_acts_on_the_mean_slip() {
+/// Checks a slip that varies along the film: its mean on a side of a body in a fluid part has the whole penalty, the
+/// rest is resisted by the layer of the film, too. Cells border on two facets of the body, and with rotational symmetry
+/// weights grow along the film.
+fn check_mean_slip(height: usize, coordinates: Coordinates, share: f64) {
     const RATE: f64 = 3.0;
     const LAYER: f64 = 0.6;
-    let fixture = Fixture { is_film: true, ..Fixture::new() };
+    let fixture = Fixture { is_film: true, ..Fixture::of(0.0, 2.0, height, coordinates) };
+    // ∫ w x^n from 0 to x, with the weight w = 1 or 2π x.
+    let integral = |x: f64, n: i32| match coordinates {
+        Coordinates::Cartesian => x.powi(n + 1) / f64::from(n + 1),
+        Coordinates::Axisymmetric => 2.0 * std::f64::consts::PI * x.powi(n + 2) / f64::from(n + 2),
+    };
+    let h = (0.5 * 4.0 / 3.0_f64.sqrt()).sqrt();
+    let of_mean = 40.0 * FLUID.viscosity / h;
+    let of_rest = 1.0 / (1.0 / of_mean + share * LAYER / FLUID.viscosity);
+    // Diagonals of the squares end the cells at the height 0.4.
+    let cells = [[0.0_f64, 0.4], [0.4, 1.0], [1.0, 1.4], [1.4, 2.0]];
+    let exact = cells.iter().map(|[from, to]| {
+        let [weight, first, second] = [0, 1, 2].map(|n| integral(*to, n) - integral(*from, n));
+        RATE.powi(2) * (of_mean * first.powi(2) / weight + of_rest * (second - first.powi(2) / weight))
+    });
+    let exact = exact.sum::<f64>();
     for elastic in [true, false] {
-        fixture.with_points(
-            uniform(40.0),
-            |x| V::new(RATE * x[0], 0.0),
-            |_| 0.0,
-            V::zeros(),
-            elastic,
-            |points, form, x, force, _| {
-                let h = (0.5 * 4.0 / 3.0_f64.sqrt()).sqrt();
-                let of_mean = 40.0 * FLUID.viscosity / h;
-                let of_rest = 1.0 / (1.0 / of_mean + LAYER / FLUID.viscosity);
-                // Diagonals of the squares end the cells at the height 0.4.
-                let cells = [[0.0_f64, 0.4], [0.4, 1.0], [1.0, 1.4], [1.4, 2.0]].map(|[from, to]| {
-                    let (length, mean) = (to - from, 0.5 * (from + to));
-                    length * RATE.powi(2) * (of_mean * mean.powi(2) + of_rest * length.powi(2) / 12.0)
-                });
-                let (power, exact) = (interface_power(points, &form.penalty, x), cells.iter().sum::<f64>());
-                assert!((power.penalty_tangential - exact).abs() < 1e-12 * exact, "{power:?}, {exact}");
-                let tractions = interface_tractions(points, &form.penalty, x);
-                let total: V = tractions.iter().map(|on| on.total() * on.measure).sum();
-                assert!((total[0] - RATE * of_mean * 2.0).abs() < 1e-12 * total[0], "{total}");
-                if elastic {
-                    assert!((force[1] + total).norm() < 1e-12 * total.norm(), "{} {total}", force[1]);
-                }
-            },
-        );
+        let (u, p) = (|x: &Point<2>| V::new(RATE * x[0], 0.0), |_: &Point<2>| 0.0);
+        fixture.with_points(uniform(40.0), u, p, V::zeros(), elastic, |points, form, x, force, _| {
+            let power = interface_power(points, &form.penalty, x);
+            assert!((power.penalty_tangential - exact).abs() < 1e-12 * exact, "{power:?}, {exact}");
+            let tractions = interface_tractions(points, &form.penalty, x);
+            let total: V = tractions.iter().map(|on| on.penalty * on.measure).sum();
+            let mean = RATE * of_mean * integral(2.0, 1);
+            assert!((total[0] - mean).abs() < 1e-12 * mean, "{total}, {mean}");
+            let on_body: V = tractions.iter().map(|on| on.total() * on.measure).sum();
+            assert!(!elastic || (force[1] + on_body).norm() < 1e-12 * on_body.norm(), "{} {on_body}", force[1]);
+        });
     }
+}
+
+#[test]
+fn the_penalty_in_films_acts_on_the_mean_slip() {
+    check_mean_slip(2, Coordinates::Cartesian, 1.0);
+    check_mean_slip(2, Coordinates::Axisymmetric, 1.0);
+    // The gap is 2.6 cells, with the share (4 - 2.6)/2.
+    check_mean_slip(3, Coordinates::Cartesian, 0.7);
 }

@@ -118,10 +118,10 @@ fn films_of_two_layers_do_not_resist_more() {
 
 /// Squeezes out a film between a wide plate and one with the given ends, behind which the fluid is open. Returns the
 /// force over `μ L³ V/δ³` and the width in space.
-fn squeeze_between_edges<const D: usize>(gap: f64, middle: f64, ends: [f64; 2]) -> f64 {
+fn squeeze_between_edges<const D: usize>(gap: f64, middle: f64, roughness: f64, ends: [f64; 2]) -> f64 {
     let mut down = Vector::zeros();
     down[D - 1] = -1.0;
-    let mut setup = plates_with_ends::<D>(gap, middle, down, FilmSetup::default(), ends);
+    let mut setup = plates_with_ends::<D>(gap, middle, down, FilmSetup { roughness, floor: None }, ends);
     on_all_sides(&mut setup, open);
     force(&setup)[D - 1] * gap.powi(3) / (ends[1] - ends[0]).powi(D as i32 + 1)
 }
@@ -132,16 +132,16 @@ fn films_reach_edges_inside_of_cells() {
         for gap in [0.02, 0.1, 0.3] {
             // The resistance of the open fluid was computed on fine cells (`cargo xtask verify films`). With the film
             // up to the last cell before an edge the force on the thin film is 0.60.
-            let (found, x) = (squeeze_between_edges::<2>(gap, MIDDLE, [10.0 + begins, 20.0 + begins]), gap / 10.0);
+            let (found, x) = (squeeze_between_edges::<2>(gap, MIDDLE, 0.0, [10.0 + begins, 20.0 + begins]), gap / 10.0);
             let exact = 1.0 + 3.8 * x + 10.0 * x * x;
             assert!((found / exact - 1.0).abs() < 0.16, "gap {gap}, {begins}: {} for {exact}", found);
             // In two layers of cells, on both sides of a line of the mesh, the velocity between the layers falls to
             // that of the open fluid before the edge: 1.3 to 1.6 if the film conducts only what layers lack there.
-            let found = squeeze_between_edges::<2>(gap, 1.0, [10.0 + begins, 20.0 + begins]);
+            let found = squeeze_between_edges::<2>(gap, 1.0, 0.0, [10.0 + begins, 20.0 + begins]);
             assert!((found / exact - 1.0).abs() < 0.2, "two layers, gap {gap}, {begins}: {} for {exact}", found);
         }
         // Of a plate of five cells in space, of which at most three would be a film: 0.36 in place of 0.55.
-        let found = squeeze_between_edges::<3>(0.1, MIDDLE, [1.0 + begins, 6.0 + begins]) / 0.4217;
+        let found = squeeze_between_edges::<3>(0.1, MIDDLE, 0.0, [1.0 + begins, 6.0 + begins]) / 0.4217;
         assert!((0.5..1.1).contains(&found), "{begins}: {found}");
     }
 }
@@ -427,12 +427,15 @@ fn films_that_reach_past_a_line_of_the_mesh_by_a_sliver_have_the_force_of_reynol
     // moments.
     for above in [0.0, 1e-14, 1e-12, 1e-9, 1e-7, 1e-5, 1e-4, 1e-3] {
         let gap = 0.2 + 2.0 * above;
-        let plane = squeeze_between_edges::<2>(gap, MIDDLE, [-1.0, 41.0]) * (42.0_f64 / 40.0).powi(3);
+        let plane = squeeze_between_edges::<2>(gap, MIDDLE, 0.0, [-1.0, 41.0]) * (42.0_f64 / 40.0).powi(3);
         assert!((plane - 1.0).abs() < 0.005, "{above:e} above: {plane}");
         let in_space =
-            squeeze_between_edges::<3>(gap, MIDDLE, [-1.0, 9.0]) * (10.0_f64 / 8.0).powi(4) / (0.951 * 0.4217);
+            squeeze_between_edges::<3>(gap, MIDDLE, 0.0, [-1.0, 9.0]) * (10.0_f64 / 8.0).powi(4) / (0.951 * 0.4217);
         assert!((in_space - 1.0).abs() < 0.015, "{above:e} above: {in_space}");
-        let with_edges = squeeze_between_edges::<2>(gap, MIDDLE, [10.3, 20.3]);
-        assert!((0.9..0.97).contains(&with_edges), "{above:e} above: {with_edges}");
+        // Asperities fill slivers, and not the film.
+        for roughness in [0.0, 1e-6, 1e-3, 0.1] {
+            let with_edges = squeeze_between_edges::<2>(gap, MIDDLE, roughness, [10.3, 20.3]);
+            assert!((0.9..0.97).contains(&with_edges), "{above:e} above, roughness {roughness}: {with_edges}");
+        }
     }
 }
