@@ -119,8 +119,8 @@ impl Energies {
         self.generated().map(|_| self.lost_in_contact / self.largest.max(f64::MIN_POSITIVE))
     }
 
-    /// Returns the energy that the penalty on the normal velocity at surfaces takes, relative to the sum of the energies
-    /// of the run and all losses. Returns `None` as [`Self::generated`] does.
+    /// Returns the energy that the penalty on the normal velocity at surfaces takes, relative to the sum of the
+    /// energies of the run and all losses. Returns `None` as [`Self::generated`] does.
     pub(crate) fn lost_at_surfaces(&self) -> Option<f64> {
         let size = (self.largest + self.dissipated).max(f64::MIN_POSITIVE);
         self.generated().map(|_| self.lost_at_surfaces / size)
