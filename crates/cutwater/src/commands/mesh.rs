@@ -22,7 +22,14 @@ pub(crate) fn mesh(command: &MeshCommand) -> Result<(), Error> {
                 let problem = "it is the mesh that is read; choose another name";
                 return Err(Error::MeshOutput { path: to.clone(), problem });
             }
-            MeshFile::read(from)?.write(to, GmshFormat { version, is_binary: *binary })
+            let mesh = MeshFile::read(from)?;
+            mesh.write(to, GmshFormat { version, is_binary: *binary })?;
+            let MeshStatistics { order, cell_groups, boundary_groups, .. } = mesh.statistics();
+            let has_groups = cell_groups.keys().chain(boundary_groups.keys()).any(Option::is_some);
+            if to.extension().is_none_or(|extension| extension != "msh") && (order > 1 || has_groups) {
+                print("note: only .msh files contain groups and nodes of order 2; they are left out")?;
+            }
+            Ok(())
         }
     }
 }

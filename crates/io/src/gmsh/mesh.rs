@@ -88,7 +88,7 @@ impl GmshFile {
             ));
         }
         let groups: Vec<Option<String>> = of_cell.iter().map(|k| self.group_name(D, elements.groups[*k])).collect();
-        let edge_nodes = self.edge_nodes(elements, vertex);
+        let edge_nodes = self.edge_nodes(elements, vertex)?;
         let mesh = mesh.with_cell_tags(|cell| groups[cell.index()].as_deref());
         let (mesh, n_inside, n_more) = self.with_facet_groups(mesh, &vertex_of);
         Ok(GmshMesh { mesh, edge_nodes, n_turned, n_inside, n_ambiguous: n_ambiguous + n_more })
@@ -116,22 +116,31 @@ impl GmshFile {
         (vertices, vertex_of)
     }
 
+    /// Returns the position of the node on each edge; fails if two elements have different ones.
     fn edge_nodes<const D: usize>(
         &self,
         elements: &Elements,
         vertex: impl Fn(&usize) -> VertexId,
-    ) -> HashMap<[VertexId; 2], Point<D>> {
+    ) -> Result<HashMap<[VertexId; 2], Point<D>>, String> {
         let mut edge_nodes = HashMap::new();
         if elements.order == 2 {
-            for nodes in elements.nodes() {
+            for (nodes, number) in elements.nodes().zip(&elements.numbers) {
                 for (ends, node) in edges(D).iter().zip(&nodes[D + 1..]) {
                     let [a, b] = ends.map(|k| vertex(&nodes[k]));
-                    let x = self.points[*node];
-                    edge_nodes.insert([a.min(b), a.max(b)], Point::from_fn(|axis, _| x[axis]));
+                    let position = |node: usize| Point::<D>::from_fn(|axis, _| self.points[node][axis]);
+                    let (x, length) = (position(*node), (position(nodes[ends[0]]) - position(nodes[ends[1]])).norm());
+                    let other = edge_nodes.insert([a.min(b), a.max(b)], x);
+                    if other.is_some_and(|other| (other - x).norm() > FLAT.sqrt() * length) {
+                        let place = place(&x);
+                        return Err(format!(
+                            "element {number} and one before it have different nodes in the middle of their common edge near {place}; unite the parts of the mesh there, \
+                             with these nodes"
+                        ));
+                    }
                 }
             }
         }
-        edge_nodes
+        Ok(edge_nodes)
     }
 
     /// Returns the mesh with tags of its boundary facets, the number of facet elements in groups that are not on the

@@ -75,7 +75,10 @@ impl FieldTable {
             if let Some([before, _]) = rows.last().filter(|[before, _]| *before >= at) {
                 return Err(refused(
                     line,
-                    format!("{} {at} is not after {before} of the row before; sort the rows", over.word()),
+                    format!(
+                        "{} {at} is not after {before} of the row before; sort the rows, and give a jump two values that differ",
+                        over.word()
+                    ),
                 ));
             }
             rows.push([at, value]);

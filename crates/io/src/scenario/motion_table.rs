@@ -89,7 +89,9 @@ impl<const D: usize> MotionTable<D> {
             let row: Vec<f64> = words.iter().zip(&names).map(number).collect::<Result<_, _>>()?;
             if let Some(before) = rows.last().map(|before| before[time]).filter(|before| *before >= row[time]) {
                 let now = row[time];
-                return Err(format!("{at}: time {now} is not after {before} of the previous row; sort the rows"));
+                return Err(format!(
+                    "{at}: time {now} is not after {before} of the previous row; sort the rows, and give a jump two times that differ"
+                ));
             }
             rows.push(row);
         }

@@ -266,6 +266,25 @@ fn refused(text: &str, message: &str) {
     assert!(found.starts_with(message), "expected: {message}\nfound:    {found}");
 }
 
+/// Two triangles of order 2 whose common edge has one node in its middle, two at the same place, and two apart.
+#[test]
+fn edges_have_one_node_in_their_middle() {
+    let with = |middle: &str, node: usize| {
+        format!(
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0.5 0 0\n6 1 0.5 0\n7 0.5 0.5 0\n8 0.5 1 0\n\
+             9 0 0.5 0\n10 {middle} 0\n$EndNodes\n$Elements\n2\n1 9 2 0 1 1 2 3 5 6 7\n2 9 2 0 1 1 3 4 {node} 8 9\n$EndElements\n"
+        )
+    };
+    for text in [with("0.5 0.5", 7), with("0.5 0.5", 10)] {
+        let found = GmshFile::parse(text.as_bytes()).and_then(|file| file.mesh::<2>()).expect("a mesh");
+        assert_eq!(found.edge_nodes.len(), 5);
+    }
+    refused(
+        &with("0.51 0.49", 10),
+        "element 2 and one before it have different nodes in the middle of their common edge near (0.51",
+    );
+}
+
 /// A mesh that is there twice, and one of which a part covers another.
 #[test]
 fn meshes_that_overlap_are_refused() {
