@@ -15,6 +15,6 @@ pub struct PiecePoint<const D: usize> {
     pub fluid: [f64; MAX_CELL_VERTICES],
     /// Barycentric coordinates in the facet of the body.
     pub in_facet: [f64; D],
-    /// Shape values of the nodes of the body on the facet ([`BoundaryMesh::nodes`]); the others are zero.
+    /// Shape values of the nodes of the body on the facet ([`mesh::BoundaryMesh::nodes`]); the others are zero.
     pub solid: [f64; MAX_FACET_NODES],
 }
