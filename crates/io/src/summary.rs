@@ -86,8 +86,7 @@ pub struct Summary {
     #[serde(default)]
     pub energy_lost_in_contact: Option<f64>,
     /// Energy that the penalty on the normal velocity at surfaces takes, divided by the sum of the energies of the run
-    /// and all energy that is lost. It falls with the cells, and with `implicit-euler` rises as steps become shorter.
-    /// None in the same cases.
+    /// and all energy that is lost. It falls with the cells. None in the same cases.
     #[serde(default)]
     pub energy_lost_at_surfaces: Option<f64>,
     /// Largest energy of a step that no line of [`solver::Ledger`] contains, divided by the same energies or line, at

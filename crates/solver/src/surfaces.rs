@@ -49,17 +49,21 @@ impl<const D: usize> Surfaces<'_, D> {
     }
 
     /// Returns `a - ∇u w` with the acceleration `a` of the body of an interface piece and the velocity `w` with which
-    /// its surface moves: `∂u/∂t` at a fixed point, for a fluid of velocity `u` that moves with the body. Requires
-    /// `lead != 0`.
+    /// its surface moves: `∂u/∂t` at a fixed point, for a fluid of velocity `u` that moves with the body.
     pub(crate) fn accelerations(&self, item: usize, velocity: &[Vector<D>]) -> OnFacet<D> {
         let piece = &self.cut.interface()[item];
         let nodes = self.space.dofs(piece.part).iter().zip(self.parts.gradients(piece.part));
         let grad_u: Tensor<D> = nodes.map(|(dof, g)| velocity[*dof as usize] * g.transpose()).sum();
         let body = piece.body.index();
-        let acceleration = &self.previous.bodies[body].level.acceleration;
+        let Level { velocity: of_surface, acceleration, .. } = &self.previous.bodies[body].level;
+        let (positions, at_start) = (&self.positions[body], &self.at_start[body]);
+        let moved = |node: usize| match self.lead {
+            0.0 => of_surface[node],
+            lead => (positions[node] - at_start[node]) / lead,
+        };
         self.on_facet(item, |node| {
             let of_body = acceleration.get(node).copied().unwrap_or_else(Vector::zeros);
-            of_body - grad_u * (self.positions[body][node] - self.at_start[body][node]) / self.lead
+            of_body - grad_u * moved(node)
         })
     }
 
@@ -85,8 +89,7 @@ impl<const D: usize> Surfaces<'_, D> {
         let mut velocity = extension.sources.carry(&before.velocity);
         extension.fill(&mut velocity, |item| [self.velocities(item), places(item, &self.at_start)])?;
         let mut acceleration = Vec::new();
-        // A scheme that evaluates the geometry at the start does not need accelerations.
-        if self.lead != 0.0 && !before.acceleration.is_empty() {
+        if !before.acceleration.is_empty() {
             acceleration = extension.sources.carry(&before.acceleration);
             let on_cut = |item| places(item, self.positions);
             extension.fill(&mut acceleration, |item| [self.accelerations(item, &velocity), on_cut(item)])?;

@@ -12,12 +12,13 @@ impl TimeScheme for ImplicitEuler {
     fn weights(&self, dt: f64, _starts: bool) -> Weights {
         let (d, v) = (Row::DISPLACEMENT, Row::UNKNOWN);
         let end = d + v * dt;
+        let acceleration = (v - Row::VELOCITY) * dt.recip();
         Weights {
             stage_displacement: end,
-            stage_acceleration: (v - Row::VELOCITY) * dt.recip(),
+            stage_acceleration: acceleration,
             displacement: end,
             velocity: v,
-            acceleration: Row::default(),
+            acceleration,
             extrapolated: [d, d],
             shifted: [d, end],
             of_energy: [[d, Row::VELOCITY]; 2],

@@ -8,6 +8,8 @@ pub struct QuasiStatic;
 
 impl TimeScheme for QuasiStatic {
     fn weights(&self, dt: f64, starts: bool) -> Weights {
-        Weights { stage_acceleration: Row::default(), pressure_at_stage: true, ..ImplicitEuler.weights(dt, starts) }
+        let none = Row::default();
+        let euler = ImplicitEuler.weights(dt, starts);
+        Weights { stage_acceleration: none, acceleration: none, pressure_at_stage: true, ..euler }
     }
 }

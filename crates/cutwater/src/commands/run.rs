@@ -272,8 +272,8 @@ fn print_summary(summary: &Summary, directory: &str, print_line: &mut dyn FnMut(
     if let Some(lost) = summary.energy_lost_at_surfaces.filter(|lost| *lost > MUCH_AT_SURFACES) {
         print_line(&format!(
             "  warning: the penalty that ties the velocity of the fluid to that of surfaces took {:.0} % of the energy of the run, so that forces on bodies that \
-             accelerate are wrong: cells near bodies are too large, or steps of `implicit-euler` too short; take smaller cells near bodies, and \
-             `time.scheme = \"generalised-alpha\"`, until `energy_lost_at_surfaces` in summary.json is below {MUCH_AT_SURFACES}",
+             accelerate are wrong: cells near bodies are too large; take smaller ones until `energy_lost_at_surfaces` in summary.json is below \
+             {MUCH_AT_SURFACES}",
             100.0 * lost
         ));
     }

@@ -20,9 +20,9 @@ pub enum PenaltyProfile {
     ///
     /// The three shares of `σ_n` represent viscosity, convection and inertia in a cell. Without inertia the surface
     /// leaks. The share with the rate grows as steps become shorter, and then forces the fluid of cut cells to move
-    /// with the body. The share with the acceleration, the speed that is gained over a cell, does not depend on the
-    /// step. `σ_t` has no inertia: it would force the fluid of a cut cell to move along with the body, which is a
-    /// boundary layer as thick as the cell.
+    /// with the body: it acts in the first step, and after a collision. The share with the acceleration, the speed that
+    /// is gained over a cell, does not depend on the step. `σ_t` has no inertia: it would force the fluid of a cut cell
+    /// to move along with the body, which is a boundary layer as thick as the cell.
     Split {
         /// `γ_n`.
         gamma_normal: f64,

@@ -43,8 +43,7 @@ keys! {
 choices! {
     /// Time scheme of fluid and bodies.
     pub enum TimeSchemeChoice ["kind"] {
-        /// First order, the scheme of the paper. Dissipates all motion; elastic bodies that turn gain or lose area. With the
-        /// standard set, forces on bodies that accelerate grow as steps become shorter than `h/U` of cells near bodies.
+        /// First order, the scheme of the paper. Dissipates all motion; elastic bodies that turn gain or lose area.
         ImplicitEuler = "implicit-euler",
         /// Second order.
         GeneralisedAlpha = "generalised-alpha" {

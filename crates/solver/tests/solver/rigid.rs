@@ -486,6 +486,19 @@ fn a_heavy_body_at_rest_is_held_by_the_fluid_it_displaces() {
     assert!(forces.remainder().norm() < 1e-8 && (forces.pressure + forces.body_force).norm() < 1e-8);
 }
 
+#[test]
+fn the_force_on_a_body_that_accelerates_does_not_grow_as_steps_become_shorter() {
+    // Velocity at a time at which the boundary layer is thin: a light disk, which the added mass slows most.
+    let speed = |n: usize| {
+        let body = rigid("disk", &disk([1.03, 0.97], 0.4, 0.15), 0.1, V::new(0.0, -1.0));
+        let mut setup = in_a_box(body, 0.01 / n as f64, |_, _| V::zeros());
+        fluid_of(&mut setup).material.viscosity = 1e-3;
+        motion(&run(&setup, n).0, 0).velocity[1]
+    };
+    let [few, many] = [5, 100].map(speed);
+    assert!(few < 0.0 && (many / few - 1.0).abs() < 0.02, "{few:e} {many:e}");
+}
+
 /// Returns the setup of a plate across the box, which slides up and down unless it is held, with walls at rest.
 fn piston(gravity: V, holds_height: bool) -> Setup<2> {
     let plate = structured_box::<2>([-0.2, 0.9], [2.2, 1.15], [4, 1]).expect("a box");
