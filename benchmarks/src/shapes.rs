@@ -5,7 +5,7 @@ use mesh::{BoundaryMesh, Point, VertexId};
 /// Names of the sides of a box.
 pub(crate) const SIDES: [&str; 6] = ["left", "right", "bottom", "top", "back", "front"];
 
-/// Centre of disk and sphere, the same as in the scripts of peers.
+/// Centre of disk and sphere, the same as in the scripts of the other codes (benchmarks/RESULTS.md).
 pub const BODY_CENTRE: [f64; 3] = [0.041_421_356_237_309_5, 0.073_205_080_756_887_7, 0.023_606_797_749_979];
 
 /// Returns a polygon with its corners on the circle around the first two coordinates of `centre`.

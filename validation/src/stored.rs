@@ -54,11 +54,11 @@ impl StoredRun<'_> {
     /// Runs the scenario from the last checkpoint in the directory, or from the start.
     fn run_from(&self, resumes: bool, watch: &mut impl Watch, stop: Option<&AtomicBool>) -> Result<(), Error> {
         let path = self.directory.join(VERSION);
-        // While the first files are replaced, they belong to no version.
+        // Without the version, a directory with files of two versions is not taken for a run of either.
         if !resumes && path.is_file() {
             std::fs::remove_file(&path).map_err(|source| Error::Write { path: path.clone(), source })?;
         }
-        // A run without this file is not resumed: an error of writing loses time only.
+        // A run without this file is not resumed: if it cannot be written, the next command runs from the start.
         let stamp = Begin(|_: &_| drop(std::fs::write(&path, document::version())));
         let options = RunOptions { resumes, overwrites: true, discards: !resumes, stop };
         match options.run(self.file, self.directory, &mut ((!resumes).then_some(stamp), watch)) {

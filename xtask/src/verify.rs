@@ -37,12 +37,12 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let out = std::path::absolute(arguments.out.clone().unwrap_or_else(|| target().join("verification")))?;
     let all = arguments.names.is_empty();
-    let asked = |name: &str| all || arguments.names.iter().any(|n| n == name);
+    let is_requested = |name: &str| all || arguments.names.iter().any(|n| n == name);
     let mut good = true;
-    if asked("cutcell") {
+    if is_requested("cutcell") {
         good &= verify_cutcell(arguments.full)?;
     }
-    if asked("vtk") {
+    if is_requested("vtk") {
         good &= verify_vtk(&out)?;
     }
     let others: Vec<&String> = arguments.names.iter().filter(|n| !["cutcell", "vtk"].contains(&n.as_str())).collect();

@@ -81,7 +81,7 @@ impl BlockSystem {
         self.layout = layout.clone();
         let begin = Instant::now();
         let pattern_changed = self.pattern.rebuild(n, contributions);
-        let n_stripes = Stripes::wanted(n);
+        let n_stripes = Stripes::number(n);
         if pattern_changed || n_stripes != self.stripes.len() {
             self.stripes = self.stripes.recycle(n_stripes, layout, &self.pattern);
         }

@@ -29,9 +29,9 @@ impl Forcing {
     /// which that correction reduced the residual. A reduction of the residual to the fraction `enough` suffices.
     pub(crate) fn next(self, last: Option<(f64, f64)>, enough: f64) -> f64 {
         let forcing = last.map_or(self.first, |(forcing, reduction)| {
-            let wanted = Self::GAMMA * reduction.powf(Self::EXPONENT);
+            let target = Self::GAMMA * reduction.powf(Self::EXPONENT);
             let floor = Self::GAMMA * forcing.powf(Self::EXPONENT);
-            if floor > Self::SAFEGUARD { wanted.max(floor) } else { wanted }
+            if floor > Self::SAFEGUARD { target.max(floor) } else { target }
         });
         forcing.max(0.5 * enough).min(self.largest)
     }

@@ -36,6 +36,7 @@ pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D
         point: in_space(&surface.positions()[vertex.index()]),
     };
     // A rim is a facet without one of its vertices. The surface is closed if every rim occurs once in each direction.
+    // For each rim: the sum of its directions, the number of its facets, and the first of them.
     let mut rims: HashMap<[VertexId; 2], (i32, u32, FacetId)> = HashMap::with_capacity(boundary.n_facets() * 2);
     for facet in boundary.facets() {
         let vertices = boundary.facet(facet);

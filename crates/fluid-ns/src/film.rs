@@ -141,9 +141,9 @@ pub struct FilmPart<const D: usize> {
 }
 
 impl<const D: usize> FilmPart<D> {
-    /// Returns what acts of a gradient or a force: all of it, except in the last part of a film that ends at an edge.
-    /// There vertices on both sides of the film may have the pressure of open fluid, and a tenth of the component
-    /// across the film acts, which is enough to determine the pressure.
+    /// Returns the part of a gradient or a force that drives a flux: the vector itself, or, in the last part of a film
+    /// that ends at an edge, the vector with a tenth of its component across the film. There vertices on both sides of
+    /// the film may have the pressure of open fluid; a tenth is enough to determine the pressure.
     #[inline]
     pub fn acting(&self, v: Vector<D>) -> Vector<D> {
         if self.at_edge { v - self.normal * ((1.0 - ACROSS) * v.dot(&self.normal)) } else { v }

@@ -182,7 +182,7 @@ impl<const D: usize> FilmSurfaces<D> {
         }
         None
     }
-    /// Returns whether a surface goes on in a direction from one of its points, bent by less than 60 degrees.
+    /// Returns whether a surface continues in a direction from one of its points, bent by less than 60 degrees.
     fn continues(&self, foot: &FilmFoot<D>, along: &Vector<D>, size: f64, near: &[FacetId]) -> bool {
         let tolerance = NEGLIGIBLE * size;
         near.iter().any(|facet| {

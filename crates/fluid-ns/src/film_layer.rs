@@ -11,12 +11,12 @@ pub(crate) fn extent<const D: usize>(points: &[Point<D>], direction: &Vector<D>)
 
 /// The thickness of layers of a background in films, by the flux that linear velocities lack.
 ///
-/// A gradient of the pressure drives a parabola across the film. Its linear interpolation in a layer of the thickness
-/// `d` lacks the flux `d²/12` per thickness and gradient over viscosity. In any cells interpolation lacks the mean of
-/// `|∇(q - I q)|²` of `q = s²/2`, with the distance `s` across the film (the flux of a solution is its energy). The
-/// thickness is that of equal flux, in the mean over the cells around the vertices of a cell. It is the extent of cells
-/// whose faces are along the film, and up to 12 % more or 20 % less in halves of squares that the film crosses at an
-/// angle.
+/// A gradient of the pressure drives a flow with a parabola across the film. Linear interpolation of the parabola in a
+/// layer of thickness `d` has a flux that is too small by `d²/12`, per thickness and gradient over viscosity. In cells
+/// of any shape the deficit is the mean of `|∇(q - I q)|²` with `q = s²/2` and the distance `s` across the film,
+/// because the flux of a solution equals its Dirichlet integral. The thickness of a layer is that with the same
+/// deficit, in the mean over the cells around the vertices of a cell. It is the extent of cells whose faces are along
+/// the film, and up to 12 % more or 20 % less in halves of squares that the film crosses at an angle.
 pub(crate) struct Layers<'m, const D: usize> {
     background: &'m SimplexMesh<D>,
     /// The cells around each vertex.

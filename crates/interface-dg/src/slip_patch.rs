@@ -8,14 +8,14 @@ use mesh::{BodyId, BoundaryMesh, MAX_CELL_VERTICES, Tensor, Vector, VertexId};
 
 use crate::PiecePoint;
 
-/// Least scalar product of the normals of a surface and of the film for a surface along the film: they enclose less
-/// than 60 degrees.
+/// Cosine of the largest angle, 60 degrees, between the normals of a surface and of the film for a surface along the
+/// film.
 const ALONG: f64 = 0.5;
 
 /// The pieces of one side of a body along the film in a fluid part.
 ///
-/// The velocity of a layer of the film is a linear function. It cannot both vary along the film and be that of the body
-/// on the whole surface. Its mean can.
+/// The velocity of a layer of the film is a linear function. If it equals that of the body on the whole surface it
+/// cannot vary along the film. Therefore the penalty acts on its mean over the patch.
 #[derive(Clone, Debug)]
 pub(crate) struct SlipPatch<const D: usize> {
     /// Numbers of the pieces, at least one.

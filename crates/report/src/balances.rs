@@ -127,7 +127,7 @@ impl Balances<'_> {
         let mut chart = self.results.over_time("energy lost so far, stacked", &units.energy, curves);
         chart.caption =
             "Each curve is the sum of its line and of those before it. The last one is the energy that the run lost; \
-                         `defect` is the part that no term explains."
+                         `defect` is the part that is in no other line."
                 .to_owned();
         let caption =
             format!("Energy that each part of the discrete problem took, {}; negative: it gave energy.", units.energy);

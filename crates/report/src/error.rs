@@ -1,4 +1,4 @@
-//! Errors between the files of a run and its page.
+//! Errors of reading the files of a run and of writing its page.
 
 use std::path::PathBuf;
 

@@ -101,7 +101,7 @@ impl Ledger {
         ]
     }
 
-    /// Returns the change of the energy that no line explains: the residual of Newton's method times the solution.
+    /// Returns the change of the energy that is in no other line: the residual of Newton's method times the solution.
     /// Stored energies cancel in it, so that it does not check their formulas.
     pub fn defect(&self) -> f64 {
         self.change + self.lines().iter().map(|(_, lost)| lost).sum::<f64>()

@@ -156,8 +156,8 @@ impl<'a, const D: usize> Step<'a, D> {
     /// Adapts the step to a collision: removes cavitation, and accelerations from the energy of the scheme.
     ///
     /// A collision lasts longer than the step in which it is computed. The pressure of the step is the whole impulse
-    /// over the length of the step and would fall below the floor. The real pressure is spread over the collision and
-    /// does not. Accelerations have no energy because they are unknown after the step.
+    /// over the length of the step and would fall below the floor. The real pressure acts during the whole collision
+    /// and stays above the floor. Accelerations have no energy because they are unknown after the step.
     fn adapt_to_collision(&mut self) {
         if self.has_collision() {
             self.time.weights.of_energy = [[Row::DISPLACEMENT, Row::VELOCITY]; 2];

@@ -39,7 +39,7 @@ pub(super) struct Series {
     /// Keys of the scenario that are varied, with the factor on the value for each.
     pub(super) vary: BTreeMap<String, f64>,
     pub(super) values: Vec<f64>,
-    /// Whether the values tend to zero at a constant ratio and limits are wanted.
+    /// Whether the values tend to zero at a constant ratio and limits are extrapolated.
     #[serde(default)]
     pub(super) limit: bool,
     /// Required order of speed and height of the rebound.

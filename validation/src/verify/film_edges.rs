@@ -108,8 +108,8 @@ fn plate_in_fluid(along: f64, gap: f64, begins: f64) -> Result<f64, Failure> {
     Ok(upward_force(&setup)? * (gap / along).powi(3))
 }
 
-/// Returns what [`plate_in_fluid`] does for a plate over the top of a body, with a line of the mesh in the middle of
-/// the film.
+/// Returns the result of [`plate_in_fluid`] for a plate over the top of a body, with a line of the mesh in the middle
+/// of the film.
 fn plate_over_floor(along: f64, gap: f64, begins: f64) -> Result<f64, Failure> {
     const AROUND: f64 = 4.0;
     const LINE: f64 = 2.0;

@@ -362,7 +362,8 @@ fn between_plates(gap: f64, degrees: f64, speed: f64) -> Result<(Setup<2>, [V; 2
     plates_along(CELLS, OFF_LINE, gap, degrees, speed)
 }
 
-/// Returns what [`between_plates`] does for a number of cells along the plates and a height of the middle of the film.
+/// Returns the result of [`between_plates`] for a number of cells along the plates and a height of the middle of the
+/// film.
 fn plates_along(
     cells: usize,
     off_line: f64,

@@ -45,7 +45,7 @@ const KNOWN: [(&str, [f64; 2]); 3] = [
 ];
 /// Required orders in h and in the time step.
 const ORDERS: [f64; 2] = [1.9, 0.95];
-/// Weights α of the fluid's traction in the mortar besides 1.
+/// Weights α of the fluid's traction in the mortar other than 1.
 const WEIGHTS: [f64; 2] = [0.5, 0.0];
 // Required order of the scheme of second order in the time step, and its spectral radius.
 const SECOND_ORDER: f64 = 1.8;

@@ -21,7 +21,7 @@ const DIAMETER: f64 = 0.1;
 const AMPLITUDE: f64 = 0.25;
 const FREQUENCY: f64 = 0.25;
 const VISCOSITY: f64 = 1e-3;
-/// Sizes of cells where the cylinder comes, m; the last is left out of the quick version.
+/// Sizes of cells in the range of the cylinder, m; the last is left out of the quick version.
 const SIZES: [f64; 4] = [0.02, 0.014, 0.01, 0.007];
 /// Time step over size, s/m: 0.39 cells in a step at the largest speed, whatever the mesh.
 const STEP_OVER_SIZE: f64 = 1.0;

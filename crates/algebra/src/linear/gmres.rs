@@ -179,7 +179,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Returns the Euclidean norm, also where the squares overflow or underflow.
-fn norm(a: &[f64]) -> f64 {
+pub(super) fn norm(a: &[f64]) -> f64 {
     let plain = dot(a, a).sqrt();
     if (1e-140..1e140).contains(&plain) {
         return plain;

@@ -7,6 +7,7 @@ use sprs::CsMatI;
 
 use super::LinearError;
 use super::factors::signs;
+use super::gmres::norm;
 use super::nodes::NodeGraph;
 
 /// Multiples of the shift of the diagonal entries of multipliers (see [`IncompleteFactors`]), tried in this order until
@@ -449,10 +450,6 @@ fn subtract_square_product<const D: usize>(c: &mut [f64], a: &[f64], b: &[f64], 
         }
         c.copy_from_slice(&sum);
     }
-}
-
-fn norm(values: &[f64]) -> f64 {
-    values.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
 /// Returns the inverse of a dense block, by Gauss-Jordan elimination with partial pivoting; overwrites the block.

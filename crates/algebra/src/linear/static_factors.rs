@@ -287,7 +287,7 @@ impl<'m, T: RealField + Copy + Into<f64>> Elimination<'m, T> {
         lu_in_place(block.as_mut(), exchanges, positions, Par::Seq, stack, Default::default());
         for (k, size) in self.sizes.iter().enumerate() {
             let pivot: f64 = block[(k, k)].into();
-            // A pivot that is not a number is refused, too.
+            // The condition is written such that NaN is refused, too.
             if !(pivot.abs() > SMALL_PIVOT * eps::<T>().into() * size && pivot.is_finite()) {
                 return Err(LinearError::Singular { growth: f64::INFINITY });
             }

@@ -24,7 +24,7 @@ pub(crate) struct Stripes {
 
 impl Stripes {
     /// Returns the number of stripes for a number of unknowns and the threads of the current pool.
-    pub(crate) fn wanted(n_unknowns: usize) -> usize {
+    pub(crate) fn number(n_unknowns: usize) -> usize {
         rayon::current_num_threads().min(n_unknowns / SMALLEST_STRIPE).clamp(1, u8::MAX as usize)
     }
 

@@ -87,6 +87,7 @@ impl Number for Double {
     }
 }
 
+/// Returns the rounded sum and its error (Knuth).
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let virtual_b = sum - a;
@@ -99,6 +100,7 @@ fn fast_two_sum(a: f64, b: f64) -> (f64, f64) {
     (sum, b - (sum - a))
 }
 
+/// Returns two halves of 26 bits whose sum is the number (Veltkamp).
 fn split(a: f64) -> (f64, f64) {
     const SPLITTER: f64 = 134_217_729.0; // 2²⁷ + 1
     let c = SPLITTER * a;
@@ -106,6 +108,7 @@ fn split(a: f64) -> (f64, f64) {
     (high, a - high)
 }
 
+/// Returns the rounded product and its error (Dekker).
 fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
     let ((a_high, a_low), (b_high, b_low)) = (split(a), split(b));

@@ -242,7 +242,7 @@ pub(super) fn body<const D: usize>(
             let boundary = boundary.with_coordinates(coordinates);
             match &**motion {
                 MotionChoice::Free { held, initial_spin, guided } => {
-                    check_axial::<D>(given, initial_spin.as_ref(), guided.as_ref(), coordinates)?;
+                    check_free_axial::<D>(given, initial_spin.as_ref(), guided.as_ref(), coordinates)?;
                     let guide = guided.as_ref().map(|guided| guided.guide(time)).transpose()?;
                     check_guided(given, held, initial_spin.as_ref(), guided.as_ref())?;
                     initial_spin.as_ref().map_or(Ok(()), |spin| check_spin(spin, time))?;
@@ -305,7 +305,7 @@ fn check_guided(
 
 /// Checks that a free rigid body does not start with, and is not guided along, a motion that axisymmetric coordinates
 /// hold: along the radius, and rotation.
-fn check_axial<const D: usize>(
+fn check_free_axial<const D: usize>(
     given: &At<BodyKeys>,
     initial_spin: Option<&At<f64>>,
     guided: Option<&GuideKeys>,

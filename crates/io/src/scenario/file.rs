@@ -82,8 +82,8 @@ keys! {
         checkpoint_every: usize = 0,
         /// Quantities of points, bodies and sections by name: columns of `probes.csv`.
         probes: Named<ProbeChoice>,
-        /// Least time between two checkpoints, minutes. It decides which steps of `checkpoint_every` write one, all of them if
-        /// left out. Alone it decides this for every tenth step.
+        /// Least time by the clock between two checkpoints, minutes. Steps of `checkpoint_every`, or every tenth step if that is
+        /// left out, write none earlier.
         checkpoint_minutes: Option<f64> [non_negative],
     }
 }

@@ -50,7 +50,7 @@ enum Expression {
     Variable(usize),
     Unary(Unary, Box<Expression>),
     Binary(Binary, Box<[Expression; 2]>),
-    /// Absolute value. At its kink the rate decides, as in a maximum of the argument and its negative.
+    /// Absolute value. At its kink its rate is the absolute value of that of the argument.
     Absolute(Box<Expression>),
     /// Index of a variable, and rows of its values with values of the function, which is linear between rows.
     Table(usize, Arc<[[f64; 2]]>),
@@ -112,7 +112,7 @@ fn power(a: Dual, b: Dual) -> Dual {
     Dual { value, rate: by_base + chained(b.rate, || value * a.value.ln()) }
 }
 
-/// Functions of two arguments. If the values are equal, the rates decide: the result is the minimum (maximum) an
+/// Functions of two arguments. If the values are equal, the rate is that of the minimum (maximum) an
 /// instant later.
 const BINARY_FUNCTIONS: [(&str, Binary); 2] =
     [("min", |a, b| chosen(a, b, (a.value, a.rate) <= (b.value, b.rate))), ("max", maximum)];

@@ -11,8 +11,8 @@ use super::table::{Document, parse};
 pub(super) struct Change<'a> {
     /// Segments of the key.
     path: Vec<&'a str>,
-    /// The assignment `_ = VALUE` after as many blanks as the earlier text has bytes. An offset then identifies the
-    /// argument.
+    /// The assignment `_ = VALUE` after blanks, so that its offsets lie behind those of the file and of earlier
+    /// arguments, and identify the argument.
     text: String,
     /// Offset of the argument.
     start: usize,

@@ -243,9 +243,9 @@ impl ClosedSpline {
 
     /// Returns the point at a fraction of the length.
     fn at(&self, fraction: f64) -> [f64; 2] {
-        let wanted = fraction * self.length();
-        let k = self.lengths.partition_point(|length| *length <= wanted).clamp(1, self.lengths.len() - 1) - 1;
-        let within = (wanted - self.lengths[k]) / (self.lengths[k + 1] - self.lengths[k]);
+        let target = fraction * self.length();
+        let k = self.lengths.partition_point(|length| *length <= target).clamp(1, self.lengths.len() - 1) - 1;
+        let within = (target - self.lengths[k]) / (self.lengths[k + 1] - self.lengths[k]);
         self.in_span(k / SAMPLES, ((k % SAMPLES) as f64 + within) / SAMPLES as f64)
     }
 }

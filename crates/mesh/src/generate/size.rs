@@ -136,13 +136,13 @@ pub(super) fn divided(min: f64, max: f64, h: impl Fn(f64) -> f64) -> Result<Vec<
     let mut nodes = vec![min];
     let (mut k, mut before) = (0, 0.0);
     for i in 1..n {
-        let wanted = total * i as f64 / n as f64;
-        while samples[k].2 < wanted {
+        let target = total * i as f64 / n as f64;
+        while samples[k].2 < target {
             before = samples[k].2;
             k += 1;
         }
         let (begin, length, until) = samples[k];
-        nodes.push(min + step * (begin + length * ((wanted - before) / (until - before))));
+        nodes.push(min + step * (begin + length * ((target - before) / (until - before))));
     }
     nodes.push(max);
     Ok(nodes)
