@@ -3,7 +3,8 @@
 use cutcell::{CutMesh, PartId};
 use mesh::search::{Foot, SurfaceIndex};
 use mesh::{
-    Aabb, BoundaryMesh, FacetId, Placed, Point, SimplexMesh, Tag, Vector, VertexId, facet_normal, simplex_measure,
+    Aabb, BoundaryMesh, FacetId, MAX_CELL_VERTICES, Placed, Point, SimplexMesh, Tag, Vector, VertexId, facet_normal,
+    simplex_measure,
 };
 use xfem_space::PartValues;
 
@@ -23,7 +24,7 @@ const LARGEST_SLIP: f64 = 0.75;
 /// Largest thickness of a sliver relative to the gap.
 const SLIVER: f64 = 1e-4;
 /// Least length by which the conductance of the last part of a film is divided.
-const SHORTEST: f64 = 0.25;
+pub(crate) const SHORTEST: f64 = 0.25;
 /// Fraction of the component across a film that acts in its last part.
 const ACROSS: f64 = 0.1;
 /// Degree of quadrature of the conductance: the square of a linear gap.
@@ -138,6 +139,49 @@ pub struct FilmPart<const D: usize> {
     pub is_sliver: bool,
     /// Whether the film ends at an edge, and some vertices of the part are in the open fluid behind it.
     pub at_edge: bool,
+    /// The pressure between this part and the edge at which the film ends; `None` if it ends elsewhere.
+    pub last_piece: Option<LastPiece>,
+}
+
+/// The pressure of a film between its last part and the edge at which the film ends, as a force on surfaces in the part.
+///
+/// The cell with the edge has the pressure of open fluid, and the pressure of the film ends with its last part. It
+/// should fall linearly along the film: to zero, relative to open fluid, at the distance `ℓ + ε` from where the discrete
+/// pressure begins to fall, with the edge at the distance `ℓ` and the resistance of the open fluid as a length `ε`. The
+/// pressure in the part, relative to open fluid, acts on the surfaces along the film with a factor such that its integral
+/// is that of the linear pressure up to the edge. The test functions of the fluid that bodies displace have the same
+/// factor.
+#[derive(Clone, Copy, Debug)]
+pub struct LastPiece {
+    /// The factor minus one.
+    excess: f64,
+    /// Whether a vertex of the part is in open fluid.
+    is_open: [bool; MAX_CELL_VERTICES],
+    /// Pressures of fluid at rest in the vertices, up to a constant.
+    at_rest: [f64; MAX_CELL_VERTICES],
+}
+
+impl LastPiece {
+    /// Creates the pressure for the lengths `[ℓ, ε]`, relative to that in which the discrete pressure falls.
+    pub(crate) fn new([length, exit]: [f64; 2], is_open: [bool; MAX_CELL_VERTICES]) -> Option<Self> {
+        let within = length.min(1.0);
+        let (exact, found) = (length * (0.5 * length + exit) / (length + exit), within * (1.0 - 0.5 * within));
+        (within > 0.0).then_some(Self { excess: exact / found - 1.0, is_open, at_rest: [0.0; MAX_CELL_VERTICES] })
+    }
+
+    /// Returns the additional pressure on a surface and its derivatives with respect to the pressures of the vertices,
+    /// given these pressures and the values of the shape functions. Derivatives sum to zero.
+    pub fn pressure(&self, pressures: &[f64], shape: &[f64]) -> (f64, [f64; MAX_CELL_VERTICES]) {
+        let n_open = self.is_open.iter().filter(|is_open| **is_open).count() as f64;
+        let inside: f64 = shape.iter().zip(self.is_open).filter(|(_, is_open)| !is_open).map(|(value, _)| value).sum();
+        let mut derivatives = [0.0; MAX_CELL_VERTICES];
+        let mut pressure = 0.0;
+        for (i, p) in pressures.iter().enumerate() {
+            derivatives[i] = self.excess * if self.is_open[i] { -inside / n_open } else { shape[i] };
+            pressure += derivatives[i] * (p - self.at_rest[i]);
+        }
+        (pressure, derivatives)
+    }
 }
 
 impl<const D: usize> FilmPart<D> {
@@ -189,7 +233,11 @@ impl<const D: usize> FilmValues<D> {
             let simplex = background.simplex(cut.part_cell(part));
             let reach = RAMP[1] * simplex.diameter();
             surfaces.facets_near(&Aabb::of_points(simplex.points()).expanded(reach), &mut near);
-            let Some(feet) = surfaces.feet(&centroid(background, cut, parts, part), &near) else { continue };
+            let middle = centroid(background, cut, parts, part);
+            let Some(feet) = surfaces.feet(&middle, &near) else { continue };
+            if feet.iter().any(|foot| surfaces.is_past_edge(&middle, foot, simplex.diameter(), &near)) {
+                continue;
+            }
             let (gap, normal) = (gap(&feet), feet[0].normal);
             let height = extent(simplex.points(), &normal);
             let share = ((RAMP[1] * height - gap) / ((RAMP[1] - RAMP[0]) * height)).clamp(0.0, 1.0);
@@ -221,6 +269,7 @@ impl<const D: usize> FilmValues<D> {
                 points,
                 is_sliver,
                 at_edge: false,
+                last_piece: None,
             });
             values.of_part[part.index()] = values.films.len() as u32;
         }
@@ -260,6 +309,18 @@ impl<const D: usize> FilmValues<D> {
             let [inside, by_slip] = [&film.points, &slips].map(|of| of.iter().map(|(_, weight)| weight).sum::<f64>());
             let part = (LARGEST_SLIP * inside / by_slip).min(1.0);
             film.points.extend(slips.into_iter().map(|(x, weight)| (x, -part * weight)));
+        }
+    }
+
+    /// Sets the pressures of fluid at rest under a body force in the last parts of films that end at edges, on whose
+    /// differences no additional pressure depends.
+    pub fn set_rest(&mut self, background: &SimplexMesh<D>, cut: &CutMesh<D>, force: impl Fn(&Point<D>) -> Vector<D>) {
+        for part in cut.all_parts() {
+            let Some(last) = self.of_mut(part).and_then(|film| film.last_piece.as_mut()) else { continue };
+            let simplex = background.simplex(cut.part_cell(part));
+            let force = force(&simplex.centroid());
+            let heads = simplex.points().iter().map(|x| force.dot(x));
+            last.at_rest.iter_mut().zip(heads).for_each(|(at_rest, head)| *at_rest = head);
         }
     }
 

@@ -4,15 +4,19 @@ use std::f64::consts::PI;
 
 use cutcell::{CutMesh, PartId};
 use mesh::search::Foot;
-use mesh::{Aabb, FacetId, Point, SimplexMesh, Vector, mean};
+use mesh::{Aabb, FacetId, Point, SimplexMesh, Vector, mean, simplex_measure};
 use xfem_space::{FaceValue, PartValues, XfemSpace};
 
-use crate::film::{FRONT, FilmFoot, FilmSurfaces, FilmValues, RAMP, centroid, gap};
+use crate::film::{FRONT, FilmFoot, FilmSurfaces, FilmValues, LastPiece, RAMP, SHORTEST, centroid, gap};
+use crate::film_layer::extent;
 
-/// Resistance of the open fluid behind an end, as a length of film relative to the gap: half of the pressure difference
-/// `32 μ q/(π δ²)` between the sides of a thin wall with a slit of width `δ` and the flux `q`, divided by the gradient
-/// `12 μ q/δ³` in a film. Stokes flow. Source: Hasimoto 1958, DOI 10.1143/JPSJ.13.633.
-const OPEN_FLUID: f64 = 16.0 / (12.0 * PI);
+/// Resistance of the open fluid behind the end of a film between a plate and a wall, as a length of film relative to the
+/// gap, in Stokes flow. Source: runs with 10 and 20 cells across the film (`cargo xtask verify films`).
+const OPEN_FLUID: f64 = 0.63;
+/// The same for half of a slit in a thin wall: half of the pressure difference `32 μ q/(π δ²)` between the sides of a
+/// slit of width `δ` with the flux `q`, divided by the gradient `12 μ q/δ³` in a film. Source: Hasimoto 1958, DOI
+/// 10.1143/JPSJ.13.633.
+const SLIT: f64 = 16.0 / (12.0 * PI);
 /// Least slope of the pressure along a film, relative to its gradient in a cell, for a direction to the end.
 const LEAST_SLOPE: f64 = 0.2;
 // Search for the end, relative to the diameter of a cell: largest distance, length of a step, and length of a step at
@@ -22,6 +26,8 @@ const STEP: f64 = 0.125;
 const LEAST_STEP: f64 = 1e-3;
 /// Volume of a part relative to its cell, and distance from a facet relative to the diameter of a cell, that are zero.
 const NEGLIGIBLE: f64 = 1e-9;
+/// Difference of equal values of a linear function, relative to the largest one, in its fractions of a simplex.
+const SEPARATION: f64 = 1e-6;
 /// Number of halvings of the step in which a film ends.
 const HALVINGS: usize = 12;
 
@@ -33,11 +39,17 @@ impl<const D: usize> FilmValues<D> {
     /// pressure of the film then falls to that of open fluid up to a cell before the edge. The distance in which it
     /// falls is `1/|∇_τ N|`, with the sum `N` of the shape functions of dofs in open fluid and its gradient `∇_τ N`
     /// along the film. From the same origin, where `N` is zero, the distance to the edge is `ℓ`, and the open fluid
-    /// behind it resists like a film of length `0.42 δ`. The conductance is multiplied by
+    /// behind it resists like a film of length `ε = 0.63 δ - 0.42 δ³/h²`, at least zero: the second share is in the
+    /// discrete open fluid, which resists like that behind a slit as wide as a cell. The conductance is multiplied by
     ///
-    /// `1/(|∇_τ N| (ℓ + 0.42 δ))`,
+    /// `1/(|∇_τ N| (ℓ + ε))`,
     ///
-    /// with which the difference of the pressures is that of the whole film for the same flux. The factor is at most 4.
+    /// with which the difference of the pressures is that of the whole film for the same flux. If the edge is so near
+    /// that the discrete pressure does not fall to that of open fluid before it, the film covers the fraction
+    /// `|∇_τ N| ℓ` of the length only, and the conductance is divided by it. A part with the edge in it conducts before
+    /// the edge only. The factor is at most 4. On surfaces in the last part acts the pressure of the film up to the edge
+    /// ([`LastPiece`]).
+    ///
     /// Dofs in open fluid have the velocity of open fluid, too, so that only the share `1 - N` of the parabola that
     /// layers represent is there: the missing flux is that of `d² + N (δ² - d²)` in place of `d²`.
     /// A part with vertices in open fluid behind both ends of a short film has the length between them, with twice the
@@ -70,14 +82,24 @@ impl<const D: usize> FilmValues<D> {
             let size = simplex.diameter();
             surfaces.facets_near(&Aabb::of_points(simplex.points()).expanded((REACH + RAMP[1]) * size), &mut near);
             let edge = |along: Vector<D>| surfaces.edge(&middle, &along, size, &near);
-            let exit = OPEN_FLUID * film.gap;
+            let on_mesh = SLIT * (film.gap / extent(simplex.points(), &film.normal)).powi(2);
+            let exit = film.gap * (OPEN_FLUID - on_mesh).max(0.0);
             let (value, rises) = (in_open.iter().map(|&i| coordinates[i]).sum::<f64>(), gradient(&in_open));
             let shape = |x: &Point<D>| value + rises.dot(&(x - middle));
             let falls = along_film(rises);
             let slope = falls.norm();
             if slope > LEAST_SLOPE * rises.norm() {
-                let Some(ahead) = edge(falls / slope) else { continue };
-                film.end_with(value + slope * (ahead.max(0.0) + exit), shape);
+                let Some(to_edge) = edge(falls / slope) else { continue };
+                // Lengths relative to that in which the discrete pressure falls.
+                let [ahead, exit] = [value + slope * to_edge.max(0.0), slope * exit];
+                let at_edge = simplex.barycentric(&(middle + falls * (to_edge / slope)));
+                let ends_here = at_edge.is_some_and(|at| at[..=D].iter().all(|value| *value >= 0.0));
+                let past_edge = |x: &Point<D>| falls.dot(&(x - middle)) - slope * to_edge;
+                let fraction = if ends_here { fraction_below_zero(background, cut, part, past_edge) } else { 1.0 };
+                if ends_here || ahead >= 1.0 {
+                    film.last_piece = LastPiece::new([ahead, exit], std::array::from_fn(|i| in_open.contains(&i)));
+                }
+                film.end_with((ahead + exit) * ahead.clamp(SHORTEST, 1.0) / fraction.max(SHORTEST), shape);
                 continue;
             }
             // A short film, with open fluid behind the edges on both sides.
@@ -122,6 +144,34 @@ impl<const D: usize> FilmValues<D> {
         }
         free.into_iter().filter(move |part| volumes[regions.of(part.index())] >= 1.0)
     }
+}
+
+/// Returns the fraction of the volume of a part in which a linear function is below zero.
+fn fraction_below_zero<const D: usize>(
+    background: &SimplexMesh<D>,
+    cut: &CutMesh<D>,
+    part: PartId,
+    function: impl Fn(&Point<D>) -> f64,
+) -> f64 {
+    let (mut below, mut whole) = (0.0, 0.0);
+    cut.for_each_simplex(background, part, |points| {
+        let volume = simplex_measure(points);
+        whole += volume;
+        below += volume * fraction_of_simplex(points.iter().map(&function).collect());
+    });
+    if whole > 0.0 { below / whole } else { 1.0 }
+}
+
+/// Returns the fraction of a simplex in which the linear function with given values at the vertices is below zero: the
+/// sum of `v_i^D / Π_{j ≠ i} (v_i - v_j)` over negative values `v_i`. Equal values are separated.
+fn fraction_of_simplex(mut values: Vec<f64>) -> f64 {
+    let scale = values.iter().fold(0.0, |largest: f64, v| largest.max(v.abs()));
+    values.iter_mut().enumerate().for_each(|(i, v)| *v += SEPARATION * scale * i as f64);
+    let factor = |i: usize| {
+        let others = values.iter().enumerate().filter(|(j, _)| *j != i);
+        others.map(|(_, other)| values[i] / (values[i] - other)).product::<f64>()
+    };
+    (0..values.len()).filter(|&i| values[i] < 0.0).map(factor).sum()
 }
 
 /// Disjoint sets of connected items.
@@ -182,6 +232,15 @@ impl<const D: usize> FilmSurfaces<D> {
         }
         None
     }
+
+    /// Returns whether a point in front of a surface is past its edge, given its foot.
+    pub(crate) fn is_past_edge(&self, x: &Point<D>, foot: &FilmFoot<D>, size: f64, near: &[FacetId]) -> bool {
+        let off = x - foot.point;
+        let along = off - foot.normal * off.dot(&foot.normal);
+        let past = along.norm();
+        past > NEGLIGIBLE * size && !self.continues(foot, &(along / past), size, near)
+    }
+
     /// Returns whether a surface continues in a direction from one of its points, bent by less than 60 degrees.
     fn continues(&self, foot: &FilmFoot<D>, along: &Vector<D>, size: f64, near: &[FacetId]) -> bool {
         let tolerance = NEGLIGIBLE * size;
@@ -191,5 +250,28 @@ impl<const D: usize> FilmSurfaces<D> {
             let farthest = || points.iter().map(|x| (x - foot.point).dot(along)).fold(0.0, f64::max);
             self.normal(*facet).dot(&foot.normal) > FRONT && contains() && farthest() > tolerance
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fraction_of_simplex;
+
+    #[test]
+    fn fractions_of_simplices_are_those_of_similar_simplices() {
+        let cases: [(&[f64], f64); 8] = [
+            (&[-1.0, 1.0, 1.0], 0.25),
+            (&[-1.0, -1.0, 1.0], 0.75),
+            (&[-1.0, 3.0, 3.0], 0.0625),
+            (&[-1.0, 0.0, 1.0], 0.5),
+            (&[-1.0, -2.0, -1.0], 1.0),
+            (&[1.0, 2.0, 1.0], 0.0),
+            (&[-1.0, 1.0, 1.0, 1.0], 0.125),
+            (&[-1.0, -1.0, 1.0, 1.0], 0.5),
+        ];
+        for (values, fraction) in cases {
+            let found = fraction_of_simplex(values.to_vec());
+            assert!((found - fraction).abs() < 1e-4, "{values:?}: {found}");
+        }
     }
 }

@@ -40,7 +40,7 @@ pub mod terms;
 
 pub use cell::{FluidCell, FluidCells};
 pub use face::{FluidFace, FluidFaces};
-pub use film::{FilmPart, FilmSurfaces, FilmValues};
+pub use film::{FilmPart, FilmSurfaces, FilmValues, LastPiece};
 pub use fluid::NewtonianFluid;
 pub use form::FluidForm;
 pub use geometry::{FluidFields, FluidGeometry};

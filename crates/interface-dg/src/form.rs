@@ -3,7 +3,7 @@
 use algebra::{Integral, Sites};
 use fluid_ns::NewtonianFluid;
 
-use crate::terms::{AdjointConsistency, Consistency, Penalty, PenaltyProfile};
+use crate::terms::{AdjointConsistency, Consistency, FilmEnd, Penalty, PenaltyProfile};
 use crate::{InterfacePoints, MeanSlips};
 
 /// The three mortaring terms.
@@ -33,7 +33,7 @@ impl MortarForm {
         points: InterfacePoints<'p, D>,
     ) -> Integral<'p, InterfacePoints<'p, D>> {
         let integral = if points.solid.is_none() { Integral::linear } else { Integral::new };
-        integral("interface", points, vec![&self.consistency, &self.adjoint_consistency, &self.penalty])
+        integral("interface", points, vec![&self.consistency, &self.adjoint_consistency, &self.penalty, &FilmEnd])
     }
 
     /// Returns the weak form of the mean slip on surfaces along films; `None` if there are none.

@@ -57,6 +57,9 @@ pub struct MortarPoint<'a, const D: usize> {
     pub film_thickness: f64,
     /// Pressure.
     pub pressure: f64,
+    /// Additional pressure on the body in the last part of a film ([`fluid_ns::LastPiece`]), and its derivatives with
+    /// respect to the pressures of the fluid nodes; `None` elsewhere.
+    pub at_end: Option<(f64, [f64; MAX_CELL_VERTICES])>,
     /// Traction `T^f(u, p) n^f`.
     pub traction: Vector<D>,
     /// Weight `α` of the traction of the fluid.
@@ -72,6 +75,12 @@ impl<const D: usize> MortarPoint<'_, D> {
     #[inline]
     pub fn fluid_normal(&self) -> Vector<D> {
         -self.piece.normal
+    }
+
+    /// Returns the force on the body per area at the end of a film ([`crate::terms::FilmEnd`]).
+    #[inline]
+    pub fn force_at_end(&self) -> Vector<D> {
+        self.piece.normal * self.at_end.map_or(0.0, |(pressure, _)| -self.alpha * pressure)
     }
 
     /// Returns the traction of the mortar, `α T^f n^f + (1 - α) T^s n^f`.
@@ -109,6 +118,13 @@ impl<const D: usize> InterfacePoints<'_, D> {
     pub(crate) fn alpha(&self, body: BodyId) -> f64 {
         let share = self.solid.as_ref().filter(|solid| solid.stresses[body.index()].is_some());
         share.map_or(1.0, |solid| solid.alpha)
+    }
+
+    /// Returns the pressure between the last part of a film and its edge, for a piece along the film in that part.
+    fn last_piece(&self, item: usize) -> Option<&fluid_ns::LastPiece> {
+        let piece = &self.geometry.cut.interface()[item];
+        self.values.patch(item)?;
+        self.geometry.films?.of(piece.part)?.last_piece.as_ref()
     }
 
     /// Returns [`crate::MeanSlip::thickness`] of a patch.
@@ -169,6 +185,7 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
             self.dofs(item, &mut dofs);
             solid.on_facet(piece.body, piece.facet, &dofs, x).map(Arc::new)
         });
+        let last_piece = self.last_piece(item);
         let film_thickness = self.values.patch(item).map_or(0.0, |patch| self.film_thickness(patch));
         for at in self.values.points(item) {
             let mut velocity = Vector::zeros();
@@ -177,6 +194,7 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
                 velocity += velocities[i] * at.fluid[i];
                 pressure += pressures[i] * at.fluid[i];
             }
+            let at_end = last_piece.map(|last| last.pressure(&pressures[..=D], &at.fluid));
             let mut jump = velocity;
             match &surface.velocity {
                 SurfaceVelocity::Field(_) => (0..n_solid).for_each(|k| jump -= on_facet[k] * at.solid[k]),
@@ -194,6 +212,7 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
                 jump,
                 film_thickness,
                 pressure,
+                at_end,
                 traction: viscous_traction + piece.normal * pressure,
                 alpha: self.alpha(piece.body),
                 solid: solid.clone(),

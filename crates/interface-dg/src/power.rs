@@ -33,7 +33,8 @@ pub fn interface_power<const D: usize>(
             power.penalty_normal += traction.dot(n) * along;
             power.penalty_tangential += traction.dot(&(q.jump - n * along));
             if q.n_solid == 0 {
-                power.given_motion += (traction - q.traction * q.at.weight).dot(&(q.velocity - q.jump));
+                let by_fluid = (q.force_at_end() - q.traction) * q.at.weight;
+                power.given_motion += (traction + by_fluid).dot(&(q.velocity - q.jump));
             }
         });
     }

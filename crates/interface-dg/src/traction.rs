@@ -12,11 +12,11 @@ use crate::{InterfacePoints, MeanSlips};
 pub struct InterfaceTraction<const D: usize> {
     /// Measure of the piece, with the weight of the coordinates.
     pub measure: f64,
-    /// Fluid traction on the body, `T^f n = -p n + 2 μ D(u) n`, mean over the piece.
+    /// Fluid traction on the body, `T^f n = -p n + 2 μ D(u) n`, mean over the piece, with that of [`crate::terms::FilmEnd`].
     pub fluid: Vector<D>,
     /// Contribution of the share of the solid, `(1 - α) (T^s - T^f) n`, mean over the piece; zero for `α = 1`.
     pub exchange: Vector<D>,
-    /// Pressure part of `fluid`, `-p n`.
+    /// Pressure part of `fluid`.
     pub pressure: Vector<D>,
     /// Traction of the mortar's penalty on the body, `S (u - v_s)`, mean over the piece.
     pub penalty: Vector<D>,
@@ -62,15 +62,15 @@ pub fn interface_tractions<const D: usize>(
             };
             points.visit(item, x, |q| {
                 mean.measure += q.at.weight;
-                let shared = q.shared_traction();
-                mean.fluid -= q.traction * q.at.weight;
+                let (shared, at_end) = (q.shared_traction(), q.force_at_end());
+                mean.fluid += (at_end - q.traction) * q.at.weight;
                 mean.exchange -= (shared - q.traction) * q.at.weight;
-                mean.pressure -= q.piece.normal * (q.pressure * q.at.weight);
+                mean.pressure += (at_end - q.piece.normal * q.pressure) * q.at.weight;
                 mean.jump += q.jump * q.at.weight;
                 let by_penalty = penalty.weighted(q) * q.jump + by_mean[item] * q.at.weight;
                 mean.penalty += by_penalty;
                 mean.middle += q.at.point * q.at.weight;
-                mean.first_moment += (by_penalty - shared * q.at.weight) * q.at.point.transpose();
+                mean.first_moment += (by_penalty + (at_end - shared) * q.at.weight) * q.at.point.transpose();
             });
             if mean.measure == 0.0 {
                 return mean;

@@ -103,6 +103,9 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             let surfaces = FilmSurfaces::new(&setup.surfaces(&positions), background, |tag| fluid.is_wall(tag));
             let mut films = FilmValues::new(background, &cut, &parts, &surfaces, film.roughness);
             films.extend_to_edges(background, &cut, &space, &parts, &faces, &surfaces);
+            if let Some(force) = &fluid.body_force {
+                films.set_rest(background, &cut, |x| force(x, time.stage()));
+            }
             films
         });
         let of_bodies: Vec<_> = setup.bodies.iter().map(|body| body.surface()).collect();

@@ -126,23 +126,29 @@ fn squeeze_between_edges<const D: usize>(gap: f64, middle: f64, roughness: f64, 
     force(&setup)[D - 1] * gap.powi(3) / (ends[1] - ends[0]).powi(D as i32 + 1)
 }
 
+/// Returns the force of a film of ten cells with open fluid behind its edges over that of Reynolds' equation. The
+/// resistance of the open fluid was computed on fine cells (`cargo xtask verify films`).
+fn with_open_fluid(gap: f64) -> f64 {
+    1.0 + 3.8 * (gap / 10.0) + 10.0 * (gap / 10.0).powi(2)
+}
+
 #[test]
 fn films_reach_edges_inside_of_cells() {
     for begins in [0.05, 0.25, 0.5, 0.75] {
         for gap in [0.02, 0.1, 0.3] {
-            // The resistance of the open fluid was computed on fine cells (`cargo xtask verify films`). With the film
-            // up to the last cell before an edge the force on the thin film is 0.60.
-            let (found, x) = (squeeze_between_edges::<2>(gap, MIDDLE, 0.0, [10.0 + begins, 20.0 + begins]), gap / 10.0);
-            let exact = 1.0 + 3.8 * x + 10.0 * x * x;
-            assert!((found / exact - 1.0).abs() < 0.16, "gap {gap}, {begins}: {} for {exact}", found);
+            // With the film up to the last cell before an edge the force on the thin film is 0.60; 0.84 to 0.91 without the pressure
+            // on the last piece of the plate.
+            let (found, exact) =
+                (squeeze_between_edges::<2>(gap, MIDDLE, 0.0, [10.0 + begins, 20.0 + begins]), with_open_fluid(gap));
+            assert!((found / exact - 1.0).abs() < 0.1, "gap {gap}, {begins}: {} for {exact}", found);
             // In two layers of cells, on both sides of a line of the mesh, the velocity between the layers falls to
             // that of the open fluid before the edge: 1.3 to 1.6 if the film conducts only what layers lack there.
             let found = squeeze_between_edges::<2>(gap, 1.0, 0.0, [10.0 + begins, 20.0 + begins]);
-            assert!((found / exact - 1.0).abs() < 0.2, "two layers, gap {gap}, {begins}: {} for {exact}", found);
+            assert!((found / exact - 1.0).abs() < 0.15, "two layers, gap {gap}, {begins}: {} for {exact}", found);
         }
-        // Of a plate of five cells in space, of which at most three would be a film: 0.36 in place of 0.55.
+        // Of a plate of five cells in space, of which at most three would be a film: 0.36. The open fluid adds to it.
         let found = squeeze_between_edges::<3>(0.1, MIDDLE, 0.0, [1.0 + begins, 6.0 + begins]) / 0.4217;
-        assert!((0.5..1.1).contains(&found), "{begins}: {found}");
+        assert!((0.9..1.15).contains(&found), "{begins}: {found}");
     }
 }
 
@@ -169,7 +175,7 @@ fn fluid_in_a_corner_between_two_films_is_not_open() {
     }
 }
 
-/// Returns the leak below a gate over a wall, over `δ³ p/(12 μ (L + 0.85 δ))`.
+/// Returns the leak below a gate over a wall, over `δ³ p/(12 μ (L + 1.27 δ))`.
 fn leak(length: f64, gap: f64, begins: f64) -> f64 {
     const PRESSURE: f64 = 3.0;
     let background = structured_box::<2>([0.0; 2], [20.0, 8.0], [20, 8]).expect("a box");
@@ -192,7 +198,7 @@ fn leak(length: f64, gap: f64, begins: f64) -> f64 {
         let x = fluid_of(&mut setup).background.vertex(fluid.space.vertex(dof as u32));
         (x[0] == 20.0).then_some(fluid.velocity[dof][0] * if x[1] == 8.0 || x[1] == 0.0 { 0.5 } else { 1.0 })
     });
-    on_right.sum::<f64>() / (gap.powi(3) * PRESSURE / (12.0 * (length + 0.85 * gap)))
+    on_right.sum::<f64>() / (gap.powi(3) * PRESSURE / (12.0 * (length + 1.27 * gap)))
 }
 
 #[test]
@@ -303,6 +309,21 @@ fn rest<const D: usize>(force: Vector<D>, gaps: &[f64]) {
 fn fluid_at_rest_in_a_film_has_the_pressure_of_its_weight() {
     rest(V::new(0.7, -3.0), &[0.05, 0.5, 1.7]);
     rest(Vector::<3>::new(0.7, 0.4, -3.0), &[0.5]);
+}
+
+#[test]
+fn fluid_at_rest_has_no_force_across_a_film_that_ends_at_edges() {
+    // A brick whose side is half a cell from a wall, with the weight of the fluid along the film.
+    let background = structured_box::<2>([0.0, 0.0], [8.0, 20.0], [8, 20]).expect("a box");
+    let mut setup = setup(fluid(background, 1e-9, 1.0), 1e3);
+    setup.scheme = Arc::new(solver::algebra::time::QuasiStatic);
+    fluid_of(&mut setup).film = Some(FilmSetup::default());
+    fluid_of(&mut setup).body_force = Some(Arc::new(|_, _| V::new(0.0, -3.0)));
+    on_all_sides(&mut setup, || FluidBoundary::NoSlip);
+    let brick = structured_box::<2>([0.5, 5.3], [3.2, 14.6], [1, 1]).expect("a brick");
+    setup.bodies.push(prescribed(&brick, |x, _| *x, |_, _| V::zeros()));
+    let found = force(&setup);
+    assert!((found - V::new(0.0, 3.0 * 2.7 * 9.3)).norm() < 1e-8, "{found}");
 }
 
 #[test]
@@ -435,7 +456,8 @@ fn films_that_reach_past_a_line_of_the_mesh_by_a_sliver_have_the_force_of_reynol
         // Asperities fill slivers, and not the film.
         for roughness in [0.0, 1e-6, 1e-3, 0.1] {
             let with_edges = squeeze_between_edges::<2>(gap, MIDDLE, roughness, [10.3, 20.3]);
-            assert!((0.9..0.97).contains(&with_edges), "{above:e} above, roughness {roughness}: {with_edges}");
+            let ratio = with_edges / with_open_fluid(gap);
+            assert!((ratio - 1.0).abs() < 0.1, "{above:e} above, roughness {roughness}: {ratio}");
         }
     }
 }
