@@ -143,14 +143,15 @@ pub struct FilmPart<const D: usize> {
     pub last_piece: Option<LastPiece>,
 }
 
-/// The pressure of a film between its last part and the edge at which the film ends, as a force on surfaces in the part.
+/// The pressure of a film between its last part and the edge at which the film ends, as a force on surfaces in the
+/// part.
 ///
 /// The cell with the edge has the pressure of open fluid, and the pressure of the film ends with its last part. It
-/// should fall linearly along the film: to zero, relative to open fluid, at the distance `ℓ + ε` from where the discrete
-/// pressure begins to fall, with the edge at the distance `ℓ` and the resistance of the open fluid as a length `ε`. The
-/// pressure in the part, relative to open fluid, acts on the surfaces along the film with a factor such that its integral
-/// is that of the linear pressure up to the edge. The test functions of the fluid that bodies displace have the same
-/// factor.
+/// should fall linearly along the film: to zero, relative to open fluid, at the distance `ℓ + ε` from where the
+/// discrete pressure begins to fall, with the edge at the distance `ℓ` and the resistance of the open fluid as a length
+/// `ε`. The pressure in the part, relative to open fluid, acts on the surfaces along the film with a factor such that
+/// its integral is that of the linear pressure up to the edge. The test functions of the fluid that bodies displace
+/// have the same factor.
 #[derive(Clone, Copy, Debug)]
 pub struct LastPiece {
     /// The factor minus one.

@@ -10,8 +10,8 @@ use xfem_space::{FaceValue, PartValues, XfemSpace};
 use crate::film::{FRONT, FilmFoot, FilmSurfaces, FilmValues, LastPiece, RAMP, SHORTEST, centroid, gap};
 use crate::film_layer::extent;
 
-/// Resistance of the open fluid behind the end of a film between a plate and a wall, as a length of film relative to the
-/// gap, in Stokes flow. Source: runs with 10 and 20 cells across the film (`cargo xtask verify films`).
+/// Resistance of the open fluid behind the end of a film between a plate and a wall, as a length of film relative to
+/// the gap, in Stokes flow. Source: runs with 10 and 20 cells across the film (`cargo xtask verify films`).
 const OPEN_FLUID: f64 = 0.63;
 /// The same for half of a slit in a thin wall: half of the pressure difference `32 μ q/(π δ²)` between the sides of a
 /// slit of width `δ` with the flux `q`, divided by the gradient `12 μ q/δ³` in a film. Source: Hasimoto 1958, DOI
@@ -47,8 +47,8 @@ impl<const D: usize> FilmValues<D> {
     /// with which the difference of the pressures is that of the whole film for the same flux. If the edge is so near
     /// that the discrete pressure does not fall to that of open fluid before it, the film covers the fraction
     /// `|∇_τ N| ℓ` of the length only, and the conductance is divided by it. A part with the edge in it conducts before
-    /// the edge only. The factor is at most 4. On surfaces in the last part acts the pressure of the film up to the edge
-    /// ([`LastPiece`]).
+    /// the edge only. The factor is at most 4. On surfaces in the last part acts the pressure of the film up to the
+    /// edge ([`LastPiece`]).
     ///
     /// Dofs in open fluid have the velocity of open fluid, too, so that only the share `1 - N` of the parabola that
     /// layers represent is there: the missing flux is that of `d² + N (δ² - d²)` in place of `d²`.

@@ -12,7 +12,8 @@ use crate::{InterfacePoints, MeanSlips};
 pub struct InterfaceTraction<const D: usize> {
     /// Measure of the piece, with the weight of the coordinates.
     pub measure: f64,
-    /// Fluid traction on the body, `T^f n = -p n + 2 μ D(u) n`, mean over the piece, with that of [`crate::terms::FilmEnd`].
+    /// Fluid traction on the body, `T^f n = -p n + 2 μ D(u) n`, mean over the piece, with that of
+    /// [`crate::terms::FilmEnd`].
     pub fluid: Vector<D>,
     /// Contribution of the share of the solid, `(1 - α) (T^s - T^f) n`, mean over the piece; zero for `α = 1`.
     pub exchange: Vector<D>,

@@ -16,7 +16,7 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/solver/src"], 3_590),
     (&["validation"], 14_180),
     (&["xtask/src"], 2420),
-    (&[""], 84_130),
+    (&[""], 84_330),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

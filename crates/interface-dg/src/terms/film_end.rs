@@ -7,11 +7,11 @@ use crate::MortarPoint;
 /// `(p' n, w)_Σ - (q' n, v_s)_Σ` with the additional pressure `p'` on the surfaces along the last part of a film, the
 /// force of the film between this part and its edge ([`fluid_ns::LastPiece`]), and the normal `n` out of the body
 ///
-/// Source: Galerkin's method with the pressure of the film that falls linearly up to the edge in place of the end of the
-/// part. `q'` is its test function: the fluid that the body displaces there flows along the film.
+/// Source: Galerkin's method with the pressure of the film that falls linearly up to the edge in place of the end of
+/// the part. `q'` is its test function: the fluid that the body displaces there flows along the film.
 /// Couples: solid × pressure, pressure × solid.   Domain: interface pieces along films, in their last parts.
 /// Units: force and volume/time (2D: per unit depth).
-/// The fluid has no row: the pressures on opposite surfaces of a film cancel in it. The term is skew, and has no power.
+/// The fluid has no row: pressures on opposite surfaces of a film cancel in it. The term is skew and has no power.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmEnd;
 

@@ -136,8 +136,8 @@ fn with_open_fluid(gap: f64) -> f64 {
 fn films_reach_edges_inside_of_cells() {
     for begins in [0.05, 0.25, 0.5, 0.75] {
         for gap in [0.02, 0.1, 0.3] {
-            // With the film up to the last cell before an edge the force on the thin film is 0.60; 0.84 to 0.91 without the pressure
-            // on the last piece of the plate.
+            // With the film up to the last cell before an edge the force on the thin film is 0.60; 0.84 to 0.91 without
+            // the pressure on the last piece of the plate.
             let (found, exact) =
                 (squeeze_between_edges::<2>(gap, MIDDLE, 0.0, [10.0 + begins, 20.0 + begins]), with_open_fluid(gap));
             assert!((found / exact - 1.0).abs() < 0.1, "gap {gap}, {begins}: {} for {exact}", found);
