@@ -152,8 +152,9 @@ impl<const D: usize> CutMesh<D> {
     /// of the fluid.
     pub fn covered_volume(&self, background: &SimplexMesh<D>) -> f64 {
         let whole = background.cells().filter(|&cell| self.cell_state(cell) == CellState::Covered);
-        let whole: f64 = whole.map(|cell| background.cell_volume(cell)).sum();
-        whole + self.covered_pieces().map(|(_, piece)| piece.volume()).sum::<f64>()
+        let volumes = whole.map(|cell| background.cell_volume(cell));
+        // The sum of no numbers is -0.
+        volumes.chain(self.covered_pieces().map(|(_, piece)| piece.volume())).fold(0.0, |sum, volume| sum + volume)
     }
 
     /// Returns the pieces of cut cells inside the bodies, with their cells.

@@ -54,6 +54,20 @@ pub enum Error {
         /// The signed volume.
         volume: f64,
     },
+    /// A connected part of a surface is oriented inwards, but is not a hole in the body.
+    #[error(
+        "body {body}: a part of the surface is oriented inwards (it encloses the volume {volume:e}) and is not a hole, because it \
+         lies outside of the other parts, see facet {facet} at {point:?}; reverse the order of the vertices of its facets"
+    )]
+    InwardPart {
+        body: BodyId,
+        /// A facet of the part with inward normal.
+        facet: FacetId,
+        /// A vertex of that facet, the outermost along the first axis.
+        point: [f64; 3],
+        /// The signed volume of the part.
+        volume: f64,
+    },
     /// The surface intersects itself.
     #[error("body {body}: the surface intersects itself, facet {other} pierces facet {facet} near {point:?}")]
     SelfIntersection {

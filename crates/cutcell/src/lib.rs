@@ -65,6 +65,7 @@ mod error;
 mod exact;
 mod faces;
 mod options;
+mod orientation;
 mod report;
 mod soundness;
 mod surface;

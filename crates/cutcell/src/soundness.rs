@@ -3,21 +3,16 @@
 use std::collections::HashMap;
 
 use mesh::search::SurfaceIndex;
-use mesh::{Aabb, BodyId, FacetId, Placed, Point, VertexId};
+use mesh::{Aabb, BodyId, FacetId, Placed, VertexId};
 use rayon::prelude::*;
 
 use crate::exact::{HalfSpace, is_degenerate, pierces};
+use crate::orientation::{check_orientation, in_space};
 use crate::{Error, SurfaceVertex};
 
 /// Largest ratio of the coordinates of a surface to those of the background. The relative accuracy of a facet decreases
 /// in proportion.
 pub const FARTHEST: f64 = 1e9;
-
-fn in_space<const D: usize>(x: &Point<D>) -> [f64; 3] {
-    let mut point = [0.0; 3];
-    point[..D].copy_from_slice(x.as_slice());
-    point
-}
 
 /// Checks that a surface bounds a body.
 ///
@@ -72,27 +67,7 @@ pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D
         let at = at(facet, vertex);
         return Err(if count > 2 { Error::NonManifold { at } } else { Error::Open { at } });
     }
-    let volume = surface.enclosed().volume;
-    if volume < 0.0 {
-        let (facet, point) = outermost(surface);
-        return Err(Error::Inward { body, facet, point, volume });
-    }
-    Ok(())
-}
-
-/// Returns the vertex farthest along the first axis, and among its facets the one with the normal closest to that axis.
-/// If the surface is oriented inwards, so is this facet.
-fn outermost<const D: usize>(surface: &Placed<'_, D>) -> (FacetId, [f64; 3]) {
-    let mut found = (FacetId(0), Point::<D>::repeat(f64::NEG_INFINITY), 0.0);
-    for facet in surface.boundary().facets() {
-        let steepness = surface.facet_normal(facet)[0].abs();
-        for x in &surface.facet_points(facet)[..D] {
-            if x[0] > found.1[0] || (x[0] == found.1[0] && steepness > found.2) {
-                found = (facet, *x, steepness);
-            }
-        }
-    }
-    (found.0, in_space(&found.1))
+    check_orientation(body, surface)
 }
 
 /// Depth up to which a surface may intersect itself, as a fraction of its size.

@@ -209,6 +209,13 @@ fn bad_surfaces_are_refused() {
     // The facet at the outermost vertex along the first axis, and that vertex.
     let inward = try_facets(&[1, 0, 2, 1, 0, 2], &positions).expect_err("turned inwards");
     assert!(matches!(inward, Error::Inward { facet: mesh::FacetId(1), point: [0.8, 0.2, 0.0], .. }), "{inward}");
+    // A second triangle that is turned inwards is a hole in the first one, and an error outside of it.
+    let [hole, outside] = [[0.5, 0.4], [0.85, 0.7]].map(|[x, y]| {
+        let all = [&positions[..], &[P::new(x, y), P::new(x + 0.05, y), P::new(x, y + 0.05)]].concat();
+        try_facets(&[0, 1, 1, 2, 2, 0, 4, 3, 5, 4, 3, 5], &all)
+    });
+    assert!(hole.is_ok(), "{hole:?}");
+    assert!(matches!(outside, Err(Error::InwardPart { facet: mesh::FacetId(4), .. })), "{outside:?}");
     assert!(matches!(try_facets(&[], &positions), Err(Error::Empty { .. })));
     // A pentagram: its area is positive, but its edges cross.
     let corner = |k: u32| {

@@ -44,6 +44,44 @@
 //! # std::fs::remove_dir_all(&directory)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! The same in a program, without a scenario:
+//!
+//! ```
+//! use std::sync::Arc;
+//!
+//! use cutwater::algebra::time::GeneralisedAlpha;
+//! use cutwater::fluid_ns::NewtonianFluid;
+//! use cutwater::prelude::*;
+//! use cutwater::solid_rigid::RigidBody;
+//! use cutwater::solver::{FluidBoundary, FluidSetup};
+//!
+//! let background = graded_box::<2>([0.0, 0.0], [2.0, 3.0], &Size::uniform(0.4))?;
+//! let mut fluid = FluidSetup::new(background, NewtonianFluid { density: 1.0, viscosity: 0.1 });
+//! // Sides without a condition are open.
+//! for side in ["left", "right", "bottom"] {
+//!     let tag = fluid.background.tag(side).ok_or("a box has sides")?;
+//!     fluid.boundary.push((tag, FluidBoundary::NoSlip));
+//! }
+//! let mesh = ball([1.0, 2.0], 0.5, 0.2, &BallOptions { area_preserving: true })?;
+//! let gravity = Vector::<2>::new(0.0, -981.0);
+//! let disk = RigidBody::new("disk", mesh.boundary(), mesh.vertices().to_vec(), 2.0, gravity)?;
+//! let setup = Setup {
+//!     fluid: Some(fluid),
+//!     bodies: vec![Arc::new(disk)],
+//!     contacts: Vec::new(),
+//!     scheme: Arc::new(GeneralisedAlpha::new(0.0).ok_or("rho_inf is from 0 to 1")?),
+//!     dt: 0.01,
+//!     most_halvings: 0,
+//!     approach: None,
+//!     newton: NewtonSettings::new(1e-8),
+//! };
+//! let mut time_loop = TimeLoop::new(&setup, State::initial(&setup)?, Workspace::new());
+//! time_loop.run(5, &mut [])?;
+//! let balance = setup.bodies[0].balance(&time_loop.state().bodies[0]).ok_or("it has mass")?;
+//! assert!(balance.centre_of_mass[1] < 2.0 && balance.centre_of_mass[1] > 2.0 - 0.5 * 981.0 * 0.05_f64.powi(2));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod prelude;
 

@@ -331,6 +331,12 @@ impl<const D: usize> Setup<D> {
             mesh::positive("smallest step", smallest)?;
         }
         if let Some(fluid) = &self.fluid {
+            let NewtonianFluid { density, viscosity } = fluid.material;
+            mesh::require(density >= 0.0 && density.is_finite(), "density of the fluid", density, "zero or positive")?;
+            mesh::positive("viscosity", viscosity)?;
+            if let Some(time) = fluid.stabilisation.time {
+                mesh::positive("time of the stabilisation", time)?;
+            }
             mesh::require((0.0..=1.0).contains(&fluid.alpha), "weight alpha", fluid.alpha, "from 0 to 1")?;
             let roughness = fluid.film.map_or(0.0, |film| film.roughness);
             mesh::require(roughness >= 0.0 && roughness.is_finite(), "roughness", roughness, "zero or positive")?;

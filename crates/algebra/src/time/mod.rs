@@ -66,7 +66,8 @@ pub struct Weights {
     pub displacement: Row,
     /// Velocity at the end.
     pub velocity: Row,
-    /// Acceleration at the end; zero if the scheme does not need it.
+    /// Acceleration at the end; zero if no field keeps it. The penalty of surfaces in a fluid then grows as steps
+    /// become shorter, and with it the added mass of bodies.
     pub acceleration: Row,
     /// Displacement at the stage, at which the mesh is cut, and at the end, extrapolated from known values. Implicit
     /// Euler: the displacement at the start for both.

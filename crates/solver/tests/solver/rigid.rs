@@ -262,7 +262,10 @@ fn setups_that_cannot_run_are_refused() {
         Arc::new(rigid("brick", &mesh, 1.0, V::zeros()))
     }
     type Change = fn(&mut Setup<2>);
-    let refused: [(Change, &str); 7] = [
+    let refused: [(Change, &str); 10] = [
+        (|setup| fluid_of(setup).material.density = -1.0, "density of the fluid is -1.0"),
+        (|setup| fluid_of(setup).material.viscosity = 0.0, "viscosity is 0.0"),
+        (|setup| fluid_of(setup).stabilisation.time = Some(-1.0), "time of the stabilisation is -1.0"),
         (|setup| setup.dt = 0.0, "time step is 0.0, but must be positive"),
         (|setup| setup.dt = -1e-3, "time step is -0.001"),
         (|setup| setup.dt = f64::NAN, "time step is NaN"),
