@@ -57,7 +57,7 @@ pub enum Error {
     /// A connected part of a surface is oriented inwards, but is not a hole in the body.
     #[error(
         "body {body}: a part of the surface is oriented inwards (it encloses the volume {volume:e}) and is not a hole, because it \
-         lies outside of the other parts, see facet {facet} at {point:?}; reverse the order of the vertices of its facets"
+         lies outside of the other parts, see facet {facet} at {point:?}; move it into the body, or reverse the order of the vertices of its facets"
     )]
     InwardPart {
         body: BodyId,

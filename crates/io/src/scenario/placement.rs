@@ -56,8 +56,8 @@ pub(super) fn check_surfaces<const D: usize>(
         let (enclosed, covered) = (surface.enclosed().volume, cut.covered_volume(&around));
         if (enclosed - covered).abs() > TWICE * covered {
             return Err(at.invalid(format!(
-                "the surface of body `{name}` encloses {enclosed:.4e} (area or volume), but covers {covered:.4e}: parts of it overlap, the same part is \
-                 there twice or inside out, or a hole lies outside of its outline or in another hole; remove parts, or unite them"
+                "the surface of body `{name}` encloses {enclosed:.4e} (area or volume), but covers {covered:.4e}: parts of it overlap, or the same part \
+                 is there twice; remove parts, or unite them"
             )));
         }
     }
