@@ -11,7 +11,8 @@ use crate::MortarPoint;
 /// the part. `q'` is its test function: the fluid that the body displaces there flows along the film.
 /// Couples: solid × pressure, pressure × solid.   Domain: interface pieces along films, in their last parts.
 /// Units: force and volume/time (2D: per unit depth).
-/// The fluid has no row: pressures on opposite surfaces of a film cancel in it. The term is skew and has no power.
+/// The fluid has no row. The additional forces on opposite surfaces cancel if their areas in the last parts and the
+/// factors are equal; otherwise action and reaction differ. The term is skew but for the pressures of fluid at rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmEnd;
 
