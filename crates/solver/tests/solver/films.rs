@@ -175,6 +175,23 @@ fn fluid_in_a_corner_between_two_films_is_not_open() {
     }
 }
 
+#[test]
+fn a_part_past_the_edge_is_no_film() {
+    // The middle of a triangle in front of the left edge sees the edge at less than 60 degrees.
+    let background = structured_box::<2>([0.0; 2], [18.0, 8.0], [18, 8]).expect("a box");
+    let mut setup = setup(fluid(background, 1e-9, 1.0), 1e3);
+    setup.scheme = Arc::new(solver::algebra::time::QuasiStatic);
+    fluid_of(&mut setup).convection = None;
+    fluid_of(&mut setup).film = Some(FilmSetup::default());
+    on_sides(&mut setup, &["left", "right", "top"], open);
+    on_sides(&mut setup, &["bottom"], || FluidBoundary::NoSlip);
+    let gap = 0.5;
+    let plate = structured_box::<2>([3.95, gap], [13.95, gap + 2.0], [1, 1]).expect("a plate");
+    setup.bodies.push(prescribed(&plate, |x, _| *x, |_, _| V::new(0.0, -1.0)));
+    let ratio = force(&setup)[1] * (gap / 10.0_f64).powi(3) / with_open_fluid(gap);
+    assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+}
+
 /// Returns the leak below a gate over a wall, over `δ³ p/(12 μ (L + 1.27 δ))`.
 fn leak(length: f64, gap: f64, begins: f64) -> f64 {
     const PRESSURE: f64 = 3.0;
