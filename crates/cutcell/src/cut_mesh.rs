@@ -101,6 +101,11 @@ pub struct CutMesh<const D: usize> {
 }
 
 impl<const D: usize> CutMesh<D> {
+    /// Returns the number of cells of the background.
+    pub fn n_cells(&self) -> usize {
+        self.cell_to_state.len()
+    }
+
     /// Returns the state of a cell.
     #[inline]
     pub fn cell_state(&self, cell: CellId) -> CellState {

@@ -1,6 +1,6 @@
 //! Errors of surfaces.
 
-use mesh::{BodyId, FacetId, VertexId};
+use mesh::{BodyId, FacetId, ParameterError, VertexId};
 
 /// Errors of [`crate::CutMesh::overlay`]. Degenerate positions are not errors; see [`crate::CutReport`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -22,13 +22,33 @@ pub enum Error {
         /// Largest coordinate of the background times [`crate::FARTHEST`].
         limit: f64,
     },
+    /// A facet has a vertex without a position.
+    #[error("body {body}: facet {facet} has the vertex {vertex}, but there are {n_positions} positions")]
+    MissingPosition {
+        body: BodyId,
+        facet: FacetId,
+        vertex: VertexId,
+        /// Number of positions of the surface.
+        n_positions: usize,
+    },
     /// The surface is not closed. Every side of a facet must be shared with exactly one other facet.
     #[error(
-        "body {}: the surface is open at facet {}, near vertex {} at {:?}",
-        .at.body, .at.facet, .at.vertex, .at.point
+        "body {}: the surface is open at facet {}, near vertex {} at {:?}{}",
+        .at.body, .at.facet, .at.vertex, .at.point, same_place(*.twin)
     )]
     Open {
         /// A vertex of a facet at the hole.
+        at: SurfaceVertex,
+        /// Another vertex with the same position. Facets are neighbours only if they have vertices in common.
+        twin: Option<VertexId>,
+    },
+    /// A facet and its neighbour are oriented differently. Reverse the order of the vertices of one of them.
+    #[error(
+        "body {}: facet {} is not oriented as its neighbour at vertex {} at {:?}; reverse the order of the vertices of one of them",
+        .at.body, .at.facet, .at.vertex, .at.point
+    )]
+    Turned {
+        /// One of the facets, and a vertex that both have.
         at: SurfaceVertex,
     },
     /// More than two facets share a side.
@@ -79,6 +99,9 @@ pub enum Error {
         /// The middle of the piercing side.
         point: [f64; 3],
     },
+    /// A number of the options is out of range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// The text of a [`crate::Capsule`] is malformed.
     #[error("capsule, line {line}: {what}")]
     Capsule {
@@ -99,4 +122,12 @@ pub struct SurfaceVertex {
     pub vertex: VertexId,
     /// Position.
     pub point: [f64; 3],
+}
+
+/// Returns the cause of a hole where two vertices have one position.
+fn same_place(twin: Option<VertexId>) -> String {
+    let cause = |twin| {
+        format!("; vertex {twin} has the same position: facets are neighbours only if they refer to the same vertex")
+    };
+    twin.map(cause).unwrap_or_default()
 }

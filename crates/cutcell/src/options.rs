@@ -4,7 +4,7 @@
 #[derive(Clone, Debug, PartialEq)]
 pub struct OverlayOptions {
     /// Thickness below which a fluid part is left out, as a fraction of the mean cell size. Bodies at such a distance
-    /// touch, and a facet at such a distance from a face of the background lies on it.
+    /// touch, and a facet at such a distance from a face of the background lies on it. From 0 to below 1.
     pub relative_tolerance: f64,
     /// Whether self-intersecting surfaces are errors. The check takes about as long as the cut of a fine surface; a
     /// simulation may check its surfaces once.

@@ -17,8 +17,8 @@ pub const FARTHEST: f64 = 1e9;
 /// Checks that a surface bounds a body.
 ///
 /// # Errors
-/// The surface is empty, open, non-manifold or oriented inwards, or has coordinates that are not finite or beyond a
-/// limit.
+/// The surface is empty, open, non-manifold or oriented inwards, has facets that are turned against their neighbours or
+/// vertices without a position, or has coordinates that are not finite or beyond a limit.
 pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D>, limit: f64) -> Result<(), Error> {
     let boundary = surface.boundary();
     if boundary.n_facets() == 0 {
@@ -36,7 +36,9 @@ pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D
     for facet in boundary.facets() {
         let vertices = boundary.facet(facet);
         for &vertex in vertices {
-            let x = surface.positions()[vertex.index()];
+            let n_positions = surface.positions().len();
+            let missing = Error::MissingPosition { body, facet, vertex, n_positions };
+            let x = surface.positions().get(vertex.index()).ok_or(missing)?;
             if x.iter().any(|c| !c.is_finite()) {
                 return Err(Error::NotFinite { at: at(facet, vertex) });
             }
@@ -65,9 +67,20 @@ pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D
     }
     if let Some(([vertex, _], (_, count, facet))) = worst {
         let at = at(facet, vertex);
-        return Err(if count > 2 { Error::NonManifold { at } } else { Error::Open { at } });
+        return Err(match count {
+            1 => Error::Open { at, twin: twin(surface, vertex) },
+            2 => Error::Turned { at },
+            _ => Error::NonManifold { at },
+        });
     }
     check_orientation(body, surface)
+}
+
+/// Returns another vertex of a facet with the position of a vertex.
+fn twin<const D: usize>(surface: &Placed<'_, D>, vertex: VertexId) -> Option<VertexId> {
+    let (boundary, x) = (surface.boundary(), surface.positions());
+    let vertices = boundary.facets().flat_map(|facet| boundary.facet(facet));
+    vertices.copied().find(|other| *other != vertex && x[other.index()] == x[vertex.index()])
 }
 
 /// Depth up to which a surface may intersect itself, as a fraction of its size.

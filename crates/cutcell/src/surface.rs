@@ -1,6 +1,6 @@
 //! The facets of all surfaces of an overlay.
 
-use mesh::{Aabb, BodyId, FacetId, Placed, Point, SimplexMesh, Vector};
+use mesh::{Aabb, BodyId, FacetId, Placed, Point, SimplexMesh, Vector, require};
 
 use crate::exact::{HalfSpace, is_degenerate};
 use crate::soundness::{FARTHEST, check_self_intersections, check_surface};
@@ -105,7 +105,7 @@ impl<const D: usize> Facet<D> {
 /// Collects the facets of positive measure of all surfaces, in the order of bodies and facets.
 ///
 /// # Errors
-/// Invalid surfaces, see [`Error`].
+/// Invalid surfaces and options, see [`Error`].
 pub(crate) fn collect<const D: usize>(
     background: &SimplexMesh<D>,
     surfaces: &[Placed<'_, D>],
@@ -113,6 +113,8 @@ pub(crate) fn collect<const D: usize>(
     facets: &mut Vec<Facet<D>>,
 ) -> Result<(), Error> {
     facets.clear();
+    let tolerance = options.relative_tolerance;
+    require((0.0..1.0).contains(&tolerance), "relative tolerance", tolerance, "from 0 to below 1")?;
     let largest_coordinate = background.vertices().iter().fold(0.0_f64, |r, x| r.max(x.amax()));
     let mut first_vertex = 0;
     for (index, surface) in surfaces.iter().enumerate() {

@@ -196,7 +196,7 @@ fn a_hole_filled_by_another_body() {
 
 #[test]
 fn bad_surfaces_are_refused() {
-    use cutcell::Error;
+    use cutcell::{Error, SurfaceVertex};
     let background = unit_grid(2);
     let options = OverlayOptions::new();
     let positions = vec![P::new(0.2, 0.2), P::new(0.8, 0.2), P::new(0.5, 0.8)];
@@ -205,7 +205,20 @@ fn bad_surfaces_are_refused() {
         CutMesh::overlay(&background, &[Placed::new(&boundary, positions)], &options).map(|_| ())
     };
     assert!(try_facets(&[0, 1, 1, 2, 2, 0], &positions).is_ok());
-    assert!(matches!(try_facets(&[0, 1, 1, 2], &positions), Err(Error::Open { .. })));
+    assert!(matches!(try_facets(&[0, 1, 1, 2], &positions), Err(Error::Open { twin: None, .. })));
+    // Facets with vertices of their own at the same places, one facet that is turned, and one with a vertex too many.
+    let own: Vec<P> = [0, 1, 1, 2, 2, 0].iter().map(|k| positions[*k]).collect();
+    let soup = try_facets(&[0, 1, 2, 3, 4, 5], &own).expect_err("no neighbours");
+    assert!(matches!(soup, Error::Open { twin: Some(mesh::VertexId(5)), .. }), "{soup}");
+    let turned = try_facets(&[0, 1, 1, 2, 0, 2], &positions).expect_err("turned");
+    assert!(matches!(turned, Error::Turned { at: SurfaceVertex { vertex: mesh::VertexId(0), .. } }), "{turned}");
+    let beyond = try_facets(&[0, 1, 1, 2, 2, 3], &positions).expect_err("no position");
+    assert!(matches!(beyond, Error::MissingPosition { facet: mesh::FacetId(2), n_positions: 3, .. }), "{beyond}");
+    for relative_tolerance in [-1e-3, 1.0, f64::NAN] {
+        let options = OverlayOptions { relative_tolerance, ..OverlayOptions::default() };
+        let refused = CutMesh::overlay(&background, &[], &options).err();
+        assert!(matches!(refused, Some(Error::Parameter(_))), "{refused:?}");
+    }
     // The facet at the outermost vertex along the first axis, and that vertex.
     let inward = try_facets(&[1, 0, 2, 1, 0, 2], &positions).expect_err("turned inwards");
     assert!(matches!(inward, Error::Inward { facet: mesh::FacetId(1), point: [0.8, 0.2, 0.0], .. }), "{inward}");

@@ -3,7 +3,8 @@
 
 use mesh::Aabb;
 use serde::{Deserialize, Serialize};
-use solver::{FluidSetup, Setup, State, StepReport};
+use solver::body::BodyState;
+use solver::{FluidSetup, Setup, State, StepReport, StepView};
 
 /// Largest gain of energy in a step that counts as round-off, relative to the energies of the run.
 const ENERGY_TOLERANCE: f64 = 1e-8;
@@ -13,10 +14,10 @@ const ENERGY_TOLERANCE: f64 = 1e-8;
 pub(crate) struct Energies {
     /// Energy of gravity of each body at the start. Changes since then do not depend on the origin of the coordinates.
     gravity_at_start: Vec<f64>,
-    /// Sum over the bodies of the weight times the largest extent. It bounds the errors of bodies at rest, whose
-    /// energies may be zero.
+    /// Sum over the bodies of the weight times the largest extent, at its largest so far. It bounds the errors of bodies
+    /// at rest, whose energies may be zero.
     of_weights: f64,
-    /// Largest body force on the fluid times its volume and the largest extent of the background. Residuals and
+    /// Largest body force on the fluid so far times its volume and the largest extent of the background. Residuals and
     /// pressures have errors relative to it, also if the fluid is at rest.
     of_fluid: f64,
     /// Whether the time scheme has inertia. Without it the energy of a state is not that of the equations.
@@ -52,26 +53,39 @@ impl Energies {
         let mut energies = Self { largest: start.fluid_energy() + start.contact_energy, ..Self::default() };
         energies.collides = setup.contacts.iter().map(|contact| contact.form().law.restitution().is_some()).collect();
         energies.has_inertia = setup.scheme.weights(setup.dt, true).stage_acceleration.slope != 0.0;
-        if let Some(FluidSetup { background, body_force: Some(force), .. }) = &setup.fluid {
-            let largest = background.vertices().iter().map(|x| force(x, start.time).norm()).fold(0.0, f64::max);
-            energies.of_fluid = largest * background.volume() * Aabb::of_points(background.vertices()).extent().max();
-        }
         for (body, state) in setup.bodies.iter().zip(&start.bodies) {
             let Some(balance) = body.balance(state) else {
                 energies.gravity_at_start.push(0.0);
                 continue;
             };
-            let weight = balance.body_force + body.variable_gravity(start.time) * balance.mass;
             energies.gravity_at_start.push(balance.potential_energy);
-            energies.of_weights += weight.norm() * Aabb::of_points(body.reference()).extent().max();
             energies.largest += balance.kinetic_energy + balance.elastic_energy;
         }
+        energies.compare_with(setup, &start.bodies, start.time);
         energies
     }
 
-    /// Adds a step. `tolerance` is that of Newton's method. Gains below it times the energies of the weights, and below
-    /// the round-off of the pressure, are not counted.
-    pub(crate) fn add<const D: usize>(&mut self, report: &StepReport<D>, tolerance: f64) {
+    /// Updates the energies of weights and of body forces, which may depend on time.
+    fn compare_with<const D: usize>(&mut self, setup: &Setup<D>, states: &[BodyState<D>], time: f64) {
+        let mut of_weights = 0.0;
+        for (body, state) in setup.bodies.iter().zip(states) {
+            let Some(balance) = body.balance(state) else { continue };
+            let weight = balance.body_force + body.variable_gravity(time) * balance.mass;
+            of_weights += weight.norm() * Aabb::of_points(body.reference()).extent().max();
+        }
+        self.of_weights = self.of_weights.max(of_weights);
+        if let Some(FluidSetup { background, body_force: Some(force), .. }) = &setup.fluid {
+            let largest = background.vertices().iter().map(|x| force(x, time).norm()).fold(0.0, f64::max);
+            let extent = Aabb::of_points(background.vertices()).extent().max();
+            self.of_fluid = self.of_fluid.max(largest * background.volume() * extent);
+        }
+    }
+
+    /// Adds the step that ends at the state of a view. Gains below the tolerance of Newton's method times the energies
+    /// of weights and of body forces are not counted.
+    pub(crate) fn add<const D: usize>(&mut self, view: &StepView<'_, D>, report: &StepReport<D>) {
+        self.compare_with(view.setup, &view.state.bodies, view.state.time);
+        let tolerance = view.setup.newton.tolerance;
         let of_bodies = report.bodies.iter().zip(&self.gravity_at_start).filter_map(|(body, at_start)| {
             let balance = body.balance.as_ref()?;
             let change = (balance.potential_energy - at_start).abs();
@@ -96,7 +110,7 @@ impl Energies {
         self.largest_defect = self.largest_defect.max(defect);
         if gain > f64::EPSILON * self.of_fluid {
             self.largest_gain = self.largest_gain.max(gain);
-            self.generated += if gain > tolerance * self.of_weights { gain } else { 0.0 };
+            self.generated += if gain > tolerance * (self.of_weights + self.of_fluid) { gain } else { 0.0 };
         }
     }
 

@@ -277,7 +277,7 @@ impl SummaryBuilder {
             *summary.closed_volume_change.get_or_insert(0.0) += report.substep.dt * fluid.pocket_source;
         }
         let tolerance = view.setup.newton.tolerance;
-        self.energies.add(report, tolerance);
+        self.energies.add(view, report);
         self.summary.energy_defect = self.energies.defect().map(|defect| defect / tolerance);
         self.summary.energy_monotone = self.energies.is_monotone();
         self.summary.energy_generated = self.energies.generated();

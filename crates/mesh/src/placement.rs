@@ -18,7 +18,7 @@ impl<'m, const D: usize> Placed<'m, D> {
     /// Creates the view from one position per vertex of the mesh. Segments run counter-clockwise around the body,
     /// triangles turn counter-clockwise as seen from outside.
     ///
-    /// Other methods panic if there are fewer positions than vertices.
+    /// Other methods panic if a facet has a vertex beyond the positions; [`Placed::new`] does not check it.
     pub fn new(boundary: &'m BoundaryMesh<D>, positions: &'m [Point<D>]) -> Self {
         Self { boundary, positions }
     }

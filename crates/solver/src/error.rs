@@ -30,6 +30,17 @@ pub enum Error {
         "a side of the background lies on the axis of rotation, so its condition must be symmetry across the radius"
     )]
     Axis,
+    /// Two conditions of the fluid are for the same sides, of which only the first would hold.
+    #[error("the fluid has two conditions on sides with the tag \"{side}\"; leave one of them out")]
+    RepeatedCondition { side: String },
+    /// A condition of the fluid is for sides that the background does not have. Tags belong to one mesh.
+    #[error(
+        "condition {condition} of the fluid has a tag that no side of the background has; take the tag from this background"
+    )]
+    UnknownSide {
+        /// Index of the condition in the setup.
+        condition: usize,
+    },
     /// The surfaces cannot cut the background: a body is turned inside out or torn.
     #[error("the surfaces cannot cut the background")]
     Cut(#[from] cutcell::Error),
@@ -78,8 +89,8 @@ pub enum Error {
         /// Smallest penalty for which the mortar is stable.
         required: f64,
     },
-    /// Lists of numbers do not have the lengths of a state of this setup: they belong to another problem.
-    #[error("the state does not belong to this problem: {what}: {found} numbers, not {expected}")]
+    /// Lists of a state do not have the lengths that this setup needs: they belong to another problem.
+    #[error("the state does not belong to this problem: {what}: {found} found, {expected} expected")]
     Lists {
         what: &'static str,
         /// Its length in this setup.

@@ -52,12 +52,14 @@ impl<'a, const D: usize> Step<'a, D> {
     /// Prepares the step after `previous`.
     ///
     /// # Errors
+    /// [`Error::Lists`]: the state belongs to another setup.
     /// [`Error::LeftDomain`], [`Error::Cut`] and [`Error::Interface`]: the bodies do not cut the background.
     /// [`Error::Extension`]: the velocity is not extended to uncovered fluid.
     /// [`Error::MissingStress`]: a contact law depends on a stress that the setup does not have.
     /// [`Error::UnstableShare`]: the penalty is too small for the share of the solid in the traction.
     pub fn prepare(setup: &'a Setup<D>, previous: &'a State<D>, time: StepTime) -> Result<Self, Error> {
         let clock = Instant::now();
+        previous.check(setup)?;
         let mut layout = BlockLayout::new();
         let fluid = FluidStep::new(setup, previous, &time, &mut layout)?;
         let of_fluid = |fluid: &FluidStep<'_, D>| StepSeconds {

@@ -1,5 +1,6 @@
 //! The coupled problem: data that are constant in time.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use algebra::NewtonSettings;
@@ -193,6 +194,22 @@ impl<const D: usize> FluidSetup<D> {
         matches!(self.condition(tag), Some(FluidBoundary::NoSlip | FluidBoundary::Velocity(_)))
     }
 
+    /// Checks that each condition is on sides of the background, and the only one there.
+    fn check_sides(&self) -> Result<(), Error> {
+        let mut seen = BTreeSet::new();
+        let known: BTreeSet<_> =
+            self.background.facets().filter_map(|facet| self.background.facet_tag(facet)).collect();
+        for (condition, (tag, _)) in self.boundary.iter().enumerate() {
+            if !known.contains(tag) {
+                return Err(Error::UnknownSide { condition });
+            }
+            if !seen.insert(tag) {
+                return Err(Error::RepeatedCondition { side: self.background.tag_names()[tag.index()].clone() });
+            }
+        }
+        Ok(())
+    }
+
     /// Checks that sides on the axis of axisymmetric coordinates are planes of symmetry.
     fn check_axis(&self) -> Result<(), Error> {
         let Some(radial) = self.background.coordinates().radial() else { return Ok(()) };
@@ -321,9 +338,10 @@ impl<const D: usize> Setup<D> {
     /// Checks the numbers of the setup, and that its parts fit together. [`crate::State::initial`] calls it.
     ///
     /// # Errors
-    /// [`Error::Parameter`]: a time step, weight, roughness or normal out of its range. [`Error::Axis`]: a side on the
-    /// axis of rotation without symmetry. [`Error::Coordinates`]: a body in other coordinates than the background.
-    /// [`Error::Contact`]: a contact that was made for other bodies.
+    /// [`Error::Parameter`]: a time step, weight, roughness, mass or normal out of its range.
+    /// [`Error::UnknownSide`] and [`Error::RepeatedCondition`]: a condition on no side, or two on one.
+    /// [`Error::Axis`]: a side on the axis of rotation without symmetry. [`Error::Coordinates`]: a body in other
+    /// coordinates than the background. [`Error::Contact`]: a contact that was made for other bodies.
     pub fn check(&self) -> Result<(), Error> {
         mesh::positive("time step", self.dt)?;
         if let Some(ApproachSteps { fraction, smallest }) = self.approach {
@@ -348,10 +366,16 @@ impl<const D: usize> Setup<D> {
             }
         }
         if let Some(fluid) = &self.fluid {
+            fluid.check_sides()?;
             fluid.check_axis()?;
             let coordinates = fluid.background.coordinates();
             if let Some(body) = self.bodies.iter().find(|body| body.surface().coordinates() != coordinates) {
                 return Err(Error::Coordinates { body: body.name().to_owned() });
+            }
+        }
+        for body in &self.bodies {
+            if let Some(balance) = body.balance(&body.initial()) {
+                mesh::positive("mass of a body", balance.mass)?;
             }
         }
         for (index, contact) in self.contacts.iter().enumerate() {

@@ -1,13 +1,13 @@
 //! The state: data that change in time.
 
-use algebra::time::Weights;
+use algebra::time::{Level, Weights};
 use body::{BodyState, StepTime};
 use cutcell::CutMesh;
 use mesh::{Point, Vector};
 use xfem_space::{PartValues, XfemSpace};
 
 use crate::overlay::overlay;
-use crate::{Setup, StepError};
+use crate::{Error, Setup, StepError};
 
 /// The state at one time.
 #[derive(Clone, Debug)]
@@ -74,6 +74,30 @@ impl<const D: usize> State<D> {
                 Some(FluidState { positions, cut, space, velocity, acceleration, pressure, pressure_time, products });
         }
         Ok(state)
+    }
+
+    /// Checks that the lists of the state have the lengths that a setup needs.
+    pub(crate) fn check(&self, setup: &Setup<D>) -> Result<(), Error> {
+        let check = |what: &'static str, found: usize, expected: usize| {
+            if found == expected { Ok(()) } else { Err(Error::Lists { what, expected, found }) }
+        };
+        check("bodies", self.bodies.len(), setup.bodies.len())?;
+        for (body, state) in setup.bodies.iter().zip(&self.bodies) {
+            let (n, Level { displacement, velocity, acceleration }) = (body.reference().len(), &state.level);
+            check("displacements of a body", displacement.len(), n)?;
+            check("velocities of a body", velocity.len(), n)?;
+            check("accelerations of a body", acceleration.len(), if acceleration.is_empty() { 0 } else { n })?;
+            check("own numbers of a body", state.inner.len(), body.initial().inner.len())?;
+        }
+        check("states of the fluid", usize::from(self.fluid.is_some()), usize::from(setup.fluid.is_some()))?;
+        for (fluid, setup) in self.fluid.iter().zip(&setup.fluid) {
+            let (n, FluidState { velocity, acceleration, pressure, .. }) = (fluid.space.len(), fluid);
+            check("cells of the background", fluid.cut.n_cells(), setup.background.n_cells())?;
+            check("velocities of the fluid", velocity.len(), n)?;
+            check("accelerations of the fluid", acceleration.len(), if acceleration.is_empty() { 0 } else { n })?;
+            check("pressures of the fluid", pressure.len(), n)?;
+        }
+        Ok(())
     }
 
     /// Returns the kinetic energy of the fluid.

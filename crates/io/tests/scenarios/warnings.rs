@@ -251,6 +251,25 @@ fn the_energy_that_steps_generate_falls_with_the_step() {
     assert!(fine > 1e-8 && fine < 0.5 * coarse && coarse < 0.01, "{coarse:e} {fine:e}");
 }
 
+/// Checks a container that is shaken with a floating body in it: pressure balances all forces, and nothing moves.
+/// Forces are zero at the start.
+#[test]
+fn fluid_at_rest_generates_no_energy() {
+    let stone = DISKS.replace("density = 2500.0", "density = 1000.0");
+    let (before, after) = (stone.find("[[body]]").expect("a body"), stone.rfind("[[body]]").expect("a body"));
+    let text = stone[..before].to_owned() + &stone[after..];
+    let changes = [
+        "fluid.body_force=[0, \"-1e4*sin(60*t)\"]",
+        "body.0.gravity=[0, \"-10*sin(60*t)\"]",
+        "time.end=0.01",
+        "output.vtk_every=0",
+    ];
+    let file = legal(&text, &[&changes]);
+    let summary = io::run(&file, &fresh_directory("shaken"), &mut ()).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(summary.energy_generated, Some(0.0));
+    assert!(summary.energy_defect.is_some_and(|defect| defect < 1.0), "{:?}", summary.energy_defect);
+}
+
 #[test]
 fn pressures_of_sides_are_compared_with_the_stiffness_of_bodies() {
     // Young's modulus is 4e5 (3 16 + 2 4)/(16 + 4) = 1.12e6.

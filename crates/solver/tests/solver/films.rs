@@ -351,7 +351,7 @@ fn films_of_more_than_four_cells_are_left_to_the_cells() {
         let mut setup = setup(fluid(background, 1.0, 0.1), 0.1);
         fluid_of(&mut setup).film = film;
         setup.bodies.push(prescribed(&body(), |x, t| x - V::new(0.0, t), |_, _| V::new(0.0, -1.0)));
-        on_sides(&mut setup, &SIDES, || FluidBoundary::NoSlip);
+        on_sides(&mut setup, &["left", "right", "bottom"], || FluidBoundary::NoSlip);
         on_sides(&mut setup, &["top"], open);
         run(&setup, 3).0
     };

@@ -7,7 +7,7 @@ use crate::fixture::*;
 use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, TimeScheme};
 use solver::algebra::{LaggedSettings, LaggedSolver, Workspace};
 use solver::mesh::generate::structured_box;
-use solver::{Error, FluidBoundary, Setup, State, StepReport, Substep, TimeLoop};
+use solver::{Error, FluidBoundary, Setup, State, StepReport, Substep, TimeLoop, advance};
 
 /// Returns all bits of a state.
 fn bits(state: &State<2>) -> Vec<Vec<u64>> {
@@ -77,6 +77,29 @@ fn lists_of_another_setup_are_refused() {
     assert!(refused(&of_size(0.8), &lists[1..]) && refused(&of_size(0.8), &lists[..lists.len() - 1]));
     let longer = [&lists[..], &[vec![1.0]]].concat();
     assert!(refused(&of_size(0.8), &longer) && !refused(&of_size(0.8), &lists));
+}
+
+#[test]
+fn states_of_another_setup_are_refused() {
+    let setup = two_balls(Arc::new(ImplicitEuler), 0.8);
+    let what = |state: &State<2>| {
+        let result = advance(&setup, state, Substep::whole(setup.dt), &mut Workspace::new());
+        result.err().map(|error| error.source.to_string()).unwrap_or_default()
+    };
+    let start = State::initial(&setup).expect("a start");
+    let mut fewer = start.clone();
+    fewer.bodies.truncate(1);
+    assert!(what(&fewer).contains("bodies: 1 found, 2 expected"), "{}", what(&fewer));
+    let mut short = start.clone();
+    short.bodies[1].level.velocity.pop();
+    assert!(what(&short).contains("velocities of a body"), "{}", what(&short));
+    let mut dry = start.clone();
+    dry.fluid = None;
+    assert!(what(&dry).contains("states of the fluid: 0 found, 1 expected"), "{}", what(&dry));
+    let finer = State::initial(&two_balls(Arc::new(ImplicitEuler), 0.5)).expect("a start");
+    let mut elsewhere = start;
+    elsewhere.fluid = finer.fluid;
+    assert!(what(&elsewhere).contains("cells of the background"), "{}", what(&elsewhere));
 }
 
 #[test]

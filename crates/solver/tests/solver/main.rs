@@ -11,5 +11,6 @@ mod oblique;
 mod patch;
 mod rigid;
 mod rigid_in_space;
+mod setups;
 mod step_control;
 mod tangents;

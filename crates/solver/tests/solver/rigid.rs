@@ -1,6 +1,5 @@
 //! Rigid bodies, alone, in contact and in the fluid, against exact solutions.
 
-use std::error::Error as _;
 use std::sync::Arc;
 
 use crate::fixture::*;
@@ -10,7 +9,7 @@ use solver::algebra::{
     LinearSystem, NewtonSettings, Workspace,
 };
 use solver::body::Body;
-use solver::contact::{self, AugmentedLagrangianLaw, CollisionLaw, ContactForm, PenaltyLaw, RigidPlane, RigidSurface};
+use solver::contact::{AugmentedLagrangianLaw, CollisionLaw, ContactForm, PenaltyLaw, RigidPlane, RigidSurface};
 use solver::mesh::generate::{Size, graded_box, structured_box};
 use solver::mesh::{BodyId, FacetId, SimplexMesh, Vector};
 use solver::{Contact, ContactObstacle, Error, FluidBoundary, Setup, State, Substep, TimeLoop, advance};
@@ -241,48 +240,6 @@ fn a_later_solve_that_fails_keeps_the_counts_of_the_solves_before() {
     let Err(error) = advance(&setup, &state, Substep::whole(0.01), &mut work) else { panic!("the solver fails") };
     assert!(matches!(error.source, Error::Newton(_)), "{error:?}");
     assert_eq!(error.source.newton_report().map(|report| report.iterations), Some(50));
-}
-
-#[test]
-fn contacts_of_bodies_with_themselves_or_with_none_are_refused() {
-    let bodies = dry(vec![Arc::new(rigid("ball", &disk([0.0; 2], 1.0, 0.4), 1.0, V::zeros()))], 1.0).bodies;
-    let refused = |slave: u32, obstacle| {
-        let form = ContactForm::new(PenaltyLaw::new(1.0, 0.0).expect("a law"), 1.0).expect("a contact");
-        Contact::new(&bodies, BodyId(slave), Vec::new(), form, obstacle).err()
-    };
-    assert_eq!(refused(0, against(0, &bodies)), Some(contact::Error::SelfContact));
-    let unknown = contact::Error::UnknownBody { body: BodyId(1), n_bodies: 1 };
-    assert_eq!(refused(1, ground()), Some(unknown));
-}
-
-#[test]
-fn setups_that_cannot_run_are_refused() {
-    fn brick() -> Arc<dyn Body<2>> {
-        let mesh = structured_box([6.0, 6.0], [7.0, 7.0], [1, 1]).expect("a box");
-        Arc::new(rigid("brick", &mesh, 1.0, V::zeros()))
-    }
-    type Change = fn(&mut Setup<2>);
-    let refused: [(Change, &str); 10] = [
-        (|setup| fluid_of(setup).material.density = -1.0, "density of the fluid is -1.0"),
-        (|setup| fluid_of(setup).material.viscosity = 0.0, "viscosity is 0.0"),
-        (|setup| fluid_of(setup).stabilisation.time = Some(-1.0), "time of the stabilisation is -1.0"),
-        (|setup| setup.dt = 0.0, "time step is 0.0, but must be positive"),
-        (|setup| setup.dt = -1e-3, "time step is -0.001"),
-        (|setup| setup.dt = f64::NAN, "time step is NaN"),
-        (|setup| on_sides(setup, &["left"], || FluidBoundary::symmetry(2)), "normal of a symmetry or flow is 0.0"),
-        (|setup| setup.bodies.truncate(1), "body 1 is not among the 1 bodies"),
-        (|setup| setup.bodies[0] = brick(), "is not among the 4 facets"),
-        (|setup| setup.bodies[1] = Arc::clone(&setup.bodies[0]), "the body to which its boundary belongs"),
-    ];
-    for (change, words) in refused {
-        let mut setup = falling_ball(0.9, 0.3, 0.6, false);
-        setup.bodies.push(brick());
-        setup.contacts.push(contact(&setup.bodies, 0, (1.0, 0.0, 1.0), against(1, &setup.bodies)));
-        change(&mut setup);
-        let error = State::initial(&setup).expect_err(words);
-        let cause = error.source.source().map(ToString::to_string);
-        assert!(cause.as_ref().is_some_and(|cause| cause.contains(words)), "{cause:?}");
-    }
 }
 
 #[test]
