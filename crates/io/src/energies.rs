@@ -14,8 +14,8 @@ const ENERGY_TOLERANCE: f64 = 1e-8;
 pub(crate) struct Energies {
     /// Energy of gravity of each body at the start. Changes since then do not depend on the origin of the coordinates.
     gravity_at_start: Vec<f64>,
-    /// Sum over the bodies of the weight times the largest extent, at its largest so far. It bounds the errors of bodies
-    /// at rest, whose energies may be zero.
+    /// Sum over the bodies of the weight times the largest extent, at its largest so far. It bounds the errors of
+    /// bodies at rest, whose energies may be zero.
     of_weights: f64,
     /// Largest body force on the fluid so far times its volume and the largest extent of the background. Residuals and
     /// pressures have errors relative to it, also if the fluid is at rest.
