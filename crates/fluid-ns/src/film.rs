@@ -3,16 +3,13 @@
 use cutcell::{CutMesh, PartId};
 use mesh::search::{Foot, SurfaceIndex};
 use mesh::{
-    Aabb, BoundaryMesh, FacetId, MAX_CELL_VERTICES, Placed, Point, SimplexMesh, Tag, Vector, VertexId, facet_normal,
-    simplex_measure,
+    Aabb, BoundaryMesh, FacetId, MAX_CELL_VERTICES, Placed, Point, SimplexMesh, Tag, Vector, VertexId, are_opposite,
+    facet_normal, simplex_measure,
 };
 use xfem_space::PartValues;
 
 use crate::film_layer::{Layers, extent};
 
-/// Two surfaces are opposite if the scalar product of their unit normals is below this value: one normal and the
-/// reverse of the other one enclose less than 60 degrees.
-const OPPOSITE: f64 = -0.5;
 /// A point is in front of a facet if the scalar product of the unit normal and the direction from the closest point of
 /// the facet to the point is at least this value: they enclose less than 60 degrees.
 pub(crate) const FRONT: f64 = 0.5;
@@ -97,7 +94,7 @@ impl<const D: usize> FilmSurfaces<D> {
             facets.filter_map(in_front).min_by(|a, b| a.distance.total_cmp(&b.distance))
         };
         let here = closest(&|_| true)?;
-        let opposite = closest(&|other| other.dot(&here.normal) < OPPOSITE)?;
+        let opposite = closest(&|other| are_opposite(other, &here.normal))?;
         Some([here, opposite])
     }
 }

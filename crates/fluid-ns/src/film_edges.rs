@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use cutcell::{CutMesh, PartId};
 use mesh::search::Foot;
 use mesh::{Aabb, FacetId, Point, SimplexMesh, Vector, mean, simplex_measure};
-use xfem_space::{FaceValue, PartValues, XfemSpace};
+use xfem_space::{Classes, FaceValue, PartValues, XfemSpace};
 
 use crate::film::{FRONT, FilmFoot, FilmSurfaces, FilmValues, LastPiece, RAMP, SHORTEST, centroid, gap};
 use crate::film_layer::extent;
@@ -133,16 +133,16 @@ impl<const D: usize> FilmValues<D> {
         };
         let fractions: Vec<_> = cut.all_parts().map(fraction).collect();
         let is_free = |part: &PartId| self.of(*part).is_none() && fractions[part.index()] > NEGLIGIBLE;
-        let mut regions = Regions::new(fractions.len());
+        let mut regions = Classes::new(fractions.len());
         for face in faces.iter().filter(|face| face.parts.iter().all(is_free)) {
-            regions.join(face.parts[0].index(), face.parts[1].index());
+            regions.merge(face.parts[0].0, face.parts[1].0);
         }
         let mut volumes = vec![0.0; fractions.len()];
         let free: Vec<_> = cut.all_parts().filter(is_free).collect();
         for part in &free {
-            volumes[regions.of(part.index())] += fractions[part.index()];
+            volumes[regions.lowest(part.0) as usize] += fractions[part.index()];
         }
-        free.into_iter().filter(move |part| volumes[regions.of(part.index())] >= 1.0)
+        free.into_iter().filter(move |part| volumes[regions.lowest(part.0) as usize] >= 1.0)
     }
 }
 
@@ -176,30 +176,6 @@ fn fraction_of_simplex(mut values: Vec<f64>) -> f64 {
     };
     let sum: f64 = (0..values.len()).filter(|&i| values[i] < 0.0).map(factor).sum();
     sum.clamp(0.0, 1.0)
-}
-
-/// Disjoint sets of connected items.
-struct Regions(Vec<usize>);
-
-impl Regions {
-    fn new(n: usize) -> Self {
-        Self((0..n).collect())
-    }
-
-    /// Returns the item that stands for the region of an item, the smallest one in it.
-    fn of(&mut self, item: usize) -> usize {
-        let mut of = item;
-        while self.0[of] != of {
-            self.0[of] = self.0[self.0[of]];
-            of = self.0[of];
-        }
-        of
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.of(a), self.of(b));
-        self.0[a.max(b)] = a.min(b);
-    }
 }
 
 impl<const D: usize> FilmSurfaces<D> {

@@ -5,14 +5,12 @@ use std::sync::Arc;
 use algebra::{BlockLayout, DofId};
 use body::{ByDof, SurfaceMotion, SurfaceStress};
 use cutcell::InterfacePiece;
-use mesh::{BodyId, Coordinates, FacetId, MAX_CELL_VERTICES, Placed, Point, Vector, mean};
+use mesh::{BodyId, Coordinates, FacetId, MAX_CELL_VERTICES, Placed, Point, Vector, are_opposite, mean};
 
 use crate::InterfacePoints;
 
 /// A facet is closed in part if pieces cover less than this fraction of it.
 const WET: f64 = 1.0 - 1e-9;
-/// Cosine of the angle between two normals below which surfaces face different ways: 120 degrees.
-const FACES_THE_OTHER_WAY: f64 = -0.5;
 
 /// Mean over each facet of the traction `T^f n` of the fluid in front of a body, `n` out of the body.
 ///
@@ -85,8 +83,10 @@ impl<'a, const D: usize> FluidStress<'a, D> {
             let of_facet = surface.facet_middle(facet);
             let normal = surface.facet_normal(facet);
             let key = |item: usize| {
-                let faces_the_other_way = pieces[item].normal.dot(&normal) < FACES_THE_OTHER_WAY;
-                (faces_the_other_way, (mean(&pieces[item].points[..D]) - of_facet).norm_squared())
+                (
+                    are_opposite(&pieces[item].normal, &normal),
+                    (mean(&pieces[item].points[..D]) - of_facet).norm_squared(),
+                )
             };
             let is_before = |a: (bool, f64), b: (bool, f64)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
             let rim = self.pieces.iter().map(|(_, item)| *item).min_by(|a, b| is_before(key(*a), key(*b)))?;

@@ -41,6 +41,6 @@ pub use quadrature::{QuadratureRule, SimplexRule};
 pub use range::{ParameterError, non_negative, positive, require};
 pub use simplex::{MAX_CELL_VERTICES, MAX_FACET_VERTICES, Simplex, diameter, equilateral_side, simplex_measure};
 pub use simplex_mesh::SimplexMesh;
-pub use tensor::{AXES, Point, Tensor, Vector, area_vector, det, mean, moment_of, sym, unit_vector};
+pub use tensor::{AXES, Point, Tensor, Vector, are_opposite, area_vector, det, mean, moment_of, sym, unit_vector};
 
 pub use nalgebra;

@@ -395,7 +395,7 @@ fn form<const D: usize>(fluid: &FluidSetup<D>, rate: f64, time: f64) -> FluidFor
             viscosity,
             floor,
             stiffness: VAPOUR,
-            closed: Vec::new(),
+            enclosed: Vec::new(),
         }),
         body_force: fluid.body_force.as_ref().map(|force| BodyForce { force: force.as_ref(), time }),
         cip_velocity: CipVelocity { profile: cip, density },

@@ -1,7 +1,7 @@
 //! Check that no vertex passes through an obstacle in a step.
 
 use contact::{Anchor, Positions, Projection};
-use mesh::{FacetId, Placed, Point, Vector, VertexId};
+use mesh::{FacetId, Placed, Point, Vector, VertexId, are_opposite};
 
 use crate::Setup;
 use crate::setup::Contact;
@@ -10,8 +10,6 @@ use crate::setup::Contact;
 const MOST_POINTS: usize = 64;
 /// Gap at which a path enters the obstacle, as a fraction of the contact size.
 const ENTERS: f64 = 1e-3;
-/// Cosine of the angle between the normals of two sides, below which they face different ways: 120 degrees.
-const FACES_THE_OTHER_WAY: f64 = -0.5;
 
 /// Returns the motion, relative to the obstacle, of a vertex of the slave that begins in front of the obstacle, enters
 /// it, and ends nearest to a side that faces the other way, in the obstacle or behind it. Contact would then push it
@@ -82,8 +80,7 @@ fn passes<const D: usize>(
             if point == 0 && gap <= 0.0 || length - along <= size {
                 return false;
             }
-            let side = project(&at(length)).map(|end| end.normal.dot(&found.normal));
-            return side.is_some_and(|cosine| cosine < FACES_THE_OTHER_WAY);
+            return project(&at(length)).is_some_and(|end| are_opposite(&end.normal, &found.normal));
         }
         along += gap;
         if along >= length {

@@ -188,8 +188,8 @@ impl<'a, const D: usize> Step<'a, D> {
             let coupled =
                 |pocket: &Pocket| pocket.coupled.iter().flat_map(|(parts, _)| parts.clone()).collect::<Vec<_>>();
             let parts = self.pockets.iter().flat_map(|pocket| pocket.parts.iter().copied().chain(coupled(pocket)));
-            cavitation.closed = parts.collect();
-            cavitation.closed.sort_unstable();
+            cavitation.enclosed = parts.collect();
+            cavitation.enclosed.sort_unstable();
         }
         self.constraints = constraints;
     }

@@ -36,14 +36,14 @@ impl Coulomb {
             traction.by_gap[0] = self.stiffness;
             traction.by_stress[0][0] = 1.0;
             if self.friction > 0.0 {
-                self.rub(at, &mut traction);
+                self.add_friction(at, &mut traction);
             }
         }
         traction
     }
 
     /// Adds the friction to a normal traction.
-    fn rub(&self, at: &ContactPoint, traction: &mut ContactTraction) {
+    fn add_friction(&self, at: &ContactPoint, traction: &mut ContactTraction) {
         let trial = [1, 2].map(|k| self.stiffness * at.slip[k - 1] - at.stress[k]);
         let pressure = if self.is_lagged { (-at.stress[0]).max(0.0) } else { -traction.value[0] };
         let (norm, limit) = (trial[0].hypot(trial[1]), self.friction * pressure);

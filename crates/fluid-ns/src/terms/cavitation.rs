@@ -25,12 +25,12 @@ pub struct Cavitation {
     /// the film.
     pub stiffness: f64,
     /// Parts in which no vapour appears, sorted: those of closed regions, whose volume the vapour would have to leave.
-    pub closed: Vec<PartId>,
+    pub enclosed: Vec<PartId>,
 }
 
 impl<const D: usize> Term<FluidCell<'_, D>> for Cavitation {
     fn add(&self, cell: &FluidCell<'_, D>, out: &mut LocalSystem) {
-        let Some(film) = cell.film.filter(|_| self.closed.binary_search(&cell.part).is_err()) else { return };
+        let Some(film) = cell.film.filter(|_| self.enclosed.binary_search(&cell.part).is_err()) else { return };
         let conductance: f64 = film.points.iter().map(|(_, weight)| weight / self.viscosity).sum();
         for (i, g) in cell.gradients[..=D].iter().enumerate() {
             let (row, below) = (cell.pressure_row(i), self.floor - cell.pressures[i]);
