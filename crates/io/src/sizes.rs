@@ -157,11 +157,15 @@ impl Sizes {
             "Newton's method: relative tolerance {:e}, at most {} corrections per solve",
             newton.tolerance, newton.max_iterations
         ));
-        let every = |n: usize| if n == 0 { "never".to_owned() } else { format!("every {n} steps") };
+        let every = |n: usize| match n {
+            0 => "none".to_owned(),
+            1 => "after every step".to_owned(),
+            n => format!("after every {n} steps"),
+        };
         let minutes = scenario.output.checkpoint_minutes.filter(|minutes| *minutes > 0.0);
         let minutes = minutes.map_or(String::new(), |minutes| format!(", {minutes} minutes or more apart"));
         lines.push(format!(
-            "fields are written {}, checkpoints {}{minutes}",
+            "fields in files: {}; checkpoints: {}{minutes}",
             every(scenario.output.vtk_every),
             every(scenario.output.checkpoint_interval())
         ));
