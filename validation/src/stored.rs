@@ -139,7 +139,7 @@ mod tests {
         // Replaces a finished run, and then a stopped one.
         assert_eq!(run(&directory, false, 1), [1]);
         assert_eq!(run(&directory, false, 2), [1, 2]);
-        // The public function resumes the run if no change of the code is uncommitted, and begins again if asked.
+        // The public function resumes the run if no change of the code is uncommitted, and begins again if requested.
         let resumed = |again: bool| {
             let stop = AtomicBool::new(false);
             let mut watch = StopAfter { last: 3, stop: &stop, taken: Vec::new() };

@@ -145,7 +145,7 @@ fn run_case(name: &str, reference: &Reference, is_quick: bool, directory: &Path)
     Ok(CaseRun { results, metrics })
 }
 
-/// Compares a run with its reference, or a quick one with stored values, which are updated before if asked; prints the
+/// Compares a run with its reference, or a quick one with stored values, which are updated first if requested; prints
 /// comparison and writes it. Returns whether every verdict is good.
 fn judge(
     name: &str,

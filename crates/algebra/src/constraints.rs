@@ -22,7 +22,7 @@ const ROUND_OFF: f64 = 1e-7;
 /// let mut constraints = Constraints::new();
 /// let [a, b, c] = [0, 1, 2].map(DofId::new);
 /// constraints.set(c, 1.0);
-/// constraints.set(c, 5.0); // the last assignment wins
+/// constraints.set(c, 5.0); // the last value is used
 /// let mut x = [0.0; 3];
 /// constraints.apply(&mut x);
 /// assert_eq!(x, [0.0, 0.0, 5.0]);

@@ -1,7 +1,7 @@
 //! Accuracy of the linear solves inside Newton's method.
 
 /// Relative residual to which an iterative method solves for a correction (in the norms of
-/// [`crate::LinearSolver::solve`]). Direct methods ignore it.
+/// [`crate::LinearSolver::solve`]). Direct methods do not use it.
 ///
 /// It is 0.9 times the ratio by which the last correction reduced the nonlinear residual, to the power of the golden
 /// ratio. A linear system is then solved about as accurately as it approximates the nonlinear one.

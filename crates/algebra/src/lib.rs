@@ -1,6 +1,7 @@
 //! Blocks of unknowns, local systems, sparse assembly, Newton's method and linear solvers.
 //!
-//! The crate does not depend on a space dimension, a mesh or a physical quantity. Its parts:
+//! The crate has no mesh and no space dimension; of physics it has only displacement, velocity and acceleration of the
+//! time schemes, and how contact and pressure act in them ([`time::Weights`]). Its parts:
 //!
 //! 1. Fields of unknowns are registered in a [`BlockLayout`], prescribed values and ties in [`Constraints`].
 //! 2. Physics arrives as [`Contributions`]: items (cells, faces, ...) that name their dofs and fill a [`LocalSystem`]

@@ -2,7 +2,7 @@
 
 use algebra::time::{TimeScheme, Weights};
 
-/// End and length of a time step, or of a part of one, with the weights of the time scheme.
+/// End and length of a time step or substep, with the weights of the time scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepTime {
     /// Time at the end.
@@ -25,8 +25,8 @@ impl StepTime {
         if alpha == 0.0 { self.end } else { self.end - alpha * self.length }
     }
 
-    /// Returns the round-off of velocities: that of positions with coordinates of size `largest`, divided by the length
-    /// of the step. [`BlockLayout::set_rounding`](algebra::BlockLayout::set_rounding) takes it.
+    /// Returns the rounding error of a velocity: that of a position of size `largest`, over the length of the step; for
+    /// [`BlockLayout::set_rounding`](algebra::BlockLayout::set_rounding).
     pub fn rounding(&self, largest: f64) -> f64 {
         f64::EPSILON * largest / self.length
     }

@@ -54,7 +54,8 @@ impl<const D: usize> ContactReport<D> {
             master_pressures: Vec::new(),
         };
         let mut on_slave: BTreeMap<FacetId, f64> = BTreeMap::new();
-        // A segment is assigned to the facet on which one of its points has a projection farthest from the edges.
+        // The force of a segment is assigned to one facet of the master: that in which the closest point of one of its
+        // quadrature points is farthest from the edges.
         let mut segments: BTreeMap<(usize, usize), Opposite> = BTreeMap::new();
         let law = &sites.pair.form.law;
         for item in 0..sites.len() {

@@ -12,7 +12,7 @@ pub enum Error {
     /// A facet that the boundary does not have.
     #[error("facet {facet} is not among the {n_facets} facets of the boundary")]
     UnknownFacet { facet: FacetId, n_facets: usize },
-    /// A deformable obstacle without its body (the master) or with another one, or a rigid obstacle with a body.
+    /// The obstacle is deformable and its master is missing or another body, or the obstacle is rigid and has a master.
     #[error(
         "a deformable obstacle needs the body to which its boundary belongs (the master); a rigid one must not have any"
     )]

@@ -41,9 +41,9 @@ impl<const D: usize> Segment<D> {
         })
     }
 
-    /// Appends the parts on both sides of the zeros of an affine function with the given values at the corners. Every
-    /// division reduces the number of corners on one side, so that the depth of the recursion is at most `D`, also with
-    /// round-off.
+    /// Divides the segment where an affine function with the given values at the corners is zero, and appends the
+    /// parts. Every division reduces the number of corners on one side, so that the depth of the recursion is at most
+    /// `D`, also with round-off.
     fn split(self, values: [f64; D], parts: &mut Vec<Self>) {
         let below = values.iter().position(|v| *v < 0.0);
         let above = values.iter().position(|v| *v > 0.0);
@@ -84,7 +84,7 @@ fn projected<const D: usize>(points: &[Point<D>; D], facet: &[Point<D>; D]) -> O
 }
 
 /// Divides a facet of the slave along the edges of facets of the master that face it. The vertices are at positions
-/// that are known before the step; the motion of the kinks during the step is an error of quadrature.
+/// that are known before the step. The edges move during the step, which causes an error of quadrature.
 pub(crate) fn divide<const D: usize>(
     slave: &[Point<D>; D],
     master: impl Iterator<Item = [Point<D>; D]>,

@@ -13,16 +13,17 @@ use crate::film_layer::{Layers, extent};
 /// A point is in front of a facet if the scalar product of the unit normal and the direction from the closest point of
 /// the facet to the point is at least this value: they enclose less than 60 degrees.
 pub(crate) const FRONT: f64 = 0.5;
-/// Gaps, relative to the extent of the cell across the film, up to which the share `χ` is one and from which it is
-/// zero. It is linear between them. Two layers of cells carry 3/4 of the flux of a film, four layers 15/16.
+/// Gaps in extents of the cell across the film: up to the first the share `χ` is one, from the second on zero, linear
+/// between. Two layers of cells carry 3/4 of the flux of a film, four layers 15/16.
 pub(crate) const RAMP: [f64; 2] = [2.0, 4.0];
 /// Largest fraction of the flux in a part that slip may carry. With the standard parameters it carries at most 0.69.
 const LARGEST_SLIP: f64 = 0.75;
 /// Largest thickness of a sliver relative to the gap.
 const SLIVER: f64 = 1e-4;
-/// Least length by which the conductance of the last part of a film is divided.
+/// Smallest length by which the conductance of the last part is divided, relative to that in which the discrete
+/// pressure falls. The factors of this length have the same lower bound ([`FilmValues::extend_to_edges`]).
 pub(crate) const SHORTEST: f64 = 0.25;
-/// Fraction of the component across a film that acts in its last part.
+/// Factor of the component of gradients and forces across a film in its last part ([`FilmPart::acting`]).
 const ACROSS: f64 = 0.1;
 /// Degree of quadrature of the conductance: the square of a linear gap.
 const DEGREE: usize = 2;
@@ -124,8 +125,8 @@ pub struct FilmPart<const D: usize> {
     /// Thickness `d` of the layer of cells, that with the missing flux of linear interpolation; at most the extent of a
     /// cut part across the film, and the gap.
     pub layer: f64,
-    /// Flux that layers represent, relative to the missing one: `(max(δ, k)/max(d, k))² - 1` with the height `k` of the
-    /// asperities, at most the extent of the cell.
+    /// Flux that the layers of the whole film represent, relative to the flux that they lack. With the height `k` of
+    /// the asperities, at most the extent of the cell, it is `(max(δ, k)/max(d, k))² - 1`.
     pub represented: f64,
     /// Quadrature points in the part and on its surfaces. Their weights contain the conductance times the viscosity:
     /// `χ max(d, min(k, h))²/12` in the part and `-χ s ℓ d²/12` on surfaces, with the symbols of
@@ -140,15 +141,18 @@ pub struct FilmPart<const D: usize> {
     pub last_piece: Option<LastPiece>,
 }
 
-/// The pressure of a film between its last part and the edge at which the film ends, as a force on surfaces in the
-/// part.
+/// Additional pressure on surfaces along the last part of a film: the force of the film between this part and the edge
+/// at which it ends.
 ///
-/// The cell with the edge has the pressure of open fluid, and the pressure of the film ends with its last part. It
-/// should fall linearly along the film: to zero, relative to open fluid, at the distance `ℓ + ε` from where the
-/// discrete pressure begins to fall, with the edge at the distance `ℓ` and the resistance of the open fluid as a length
-/// `ε`. The pressure in the part, relative to open fluid, acts on the surfaces along the film with a factor such that
-/// its integral is that of the linear pressure up to the edge. The test functions of the fluid that bodies displace
-/// have the same factor.
+/// Problem: the cell with the edge has the pressure of open fluid. The surface between the last part and the edge
+/// therefore lacks the pressure of the film.
+/// Remedy: the pressure in the last part, relative to that of open fluid, acts on the surfaces along the film with a
+/// factor. The factor is the quotient of two integrals along the film up to the edge: of the exact pressure, and of the
+/// discrete one.
+///
+/// The exact pressure, relative to open fluid, falls linearly to zero at the distance `ℓ + ε` from where the discrete
+/// pressure begins to fall. The edge is at the distance `ℓ`, and `ε` is the length of film with the resistance of the
+/// open fluid. The test functions of the fluid that bodies displace have the same factor.
 #[derive(Clone, Copy, Debug)]
 pub struct LastPiece {
     /// The factor minus one.
@@ -191,9 +195,10 @@ impl<const D: usize> FilmPart<D> {
         if self.at_edge { v - self.normal * ((1.0 - ACROSS) * v.dot(&self.normal)) } else { v }
     }
 
-    /// Marks the part as the last one of a film. The conductance is divided by the length up to the edge, relative to
-    /// that in which the discrete pressure falls. It is multiplied by at most 4. `open` returns the sum of the shape
-    /// functions of dofs in open fluid at a point, the share of the parabola that the velocity does not represent.
+    /// Marks the part as the last one of a film, and divides its conductance by `length`, at least 1/4: the length up
+    /// to the edge relative to that in which the discrete pressure falls. At a point, `open` returns the sum `N` of the
+    /// shape functions of dofs in open fluid. These dofs have the velocity of open fluid, so that the share `N` of the
+    /// flux that layers represent is missing, too, and added to the conductance.
     pub(crate) fn end_with(&mut self, length: f64, open: impl Fn(&Point<D>) -> f64) {
         self.at_edge = true;
         for (x, weight) in &mut self.points {
@@ -274,8 +279,8 @@ impl<const D: usize> FilmValues<D> {
         values
     }
 
-    /// Subtracts the flux that passes already because the velocity slips on surfaces of bodies, on which it is imposed
-    /// by a penalty.
+    /// Subtracts the flux of slip from the missing flux. A penalty imposes the velocity on surfaces of bodies, so that
+    /// the velocity slips there and drives a part of the flux.
     ///
     /// A gradient `G` of the pressure loads the surface of a layer of thickness `d` with the shear stress `G d/2`. With
     /// the penalty `γ_t μ/ℓ` the velocity slips by `G d ℓ/(2 γ_t μ)`. The slip falls to zero across the layer, or the
@@ -310,8 +315,8 @@ impl<const D: usize> FilmValues<D> {
         }
     }
 
-    /// Sets the pressures of fluid at rest under a body force in the last parts of films that end at edges, on whose
-    /// differences no additional pressure depends.
+    /// Sets the pressures of fluid at rest under a body force in the last parts of films that end at edges. Differences
+    /// of these pressures cause no additional pressure ([`LastPiece`]).
     pub fn set_rest(&mut self, background: &SimplexMesh<D>, cut: &CutMesh<D>, force: impl Fn(&Point<D>) -> Vector<D>) {
         for part in cut.all_parts() {
             let Some(last) = self.of_mut(part).and_then(|film| film.last_piece.as_mut()) else { continue };

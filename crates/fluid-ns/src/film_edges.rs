@@ -10,50 +10,61 @@ use xfem_space::{Classes, FaceValue, PartValues, XfemSpace};
 use crate::film::{FRONT, FilmFoot, FilmSurfaces, FilmValues, LastPiece, RAMP, SHORTEST, centroid, gap};
 use crate::film_layer::extent;
 
-/// Resistance of the open fluid behind the end of a film between a plate and a wall, as a length of film relative to
-/// the gap, in Stokes flow. Source: runs with 10 and 20 cells across the film (`cargo xtask verify films`).
+/// Length of film with the resistance of the open fluid behind the end of a film between a plate and a wall, relative
+/// to the gap, in Stokes flow. Source: runs with 10 and 20 cells across the film (`cargo xtask verify films`).
 const OPEN_FLUID: f64 = 0.63;
 /// The same for half of a slit in a thin wall: half of the pressure difference `32 μ q/(π δ²)` between the sides of a
 /// slit of width `δ` with the flux `q`, divided by the gradient `12 μ q/δ³` in a film. Source: Hasimoto 1958, DOI
 /// 10.1143/JPSJ.13.633.
 const SLIT: f64 = 16.0 / (12.0 * PI);
-/// Least slope of the pressure along a film, relative to its gradient in a cell, for a direction to the end.
+/// Smallest length of `∇_τ N` relative to that of `∇N` for which it determines the direction to the edge
+/// ([`FilmValues::extend_to_edges`]).
 const LEAST_SLOPE: f64 = 0.2;
-// Search for the end, relative to the diameter of a cell: largest distance, length of a step, and length of a step at
-// which a film bends too much to have an edge.
+// Search for the edge, with lengths relative to the diameter of a cell: largest distance, length of a step, and
+// smallest length of a step. If shorter steps would be needed, the film bends too much to have an edge.
 const REACH: f64 = 2.0;
 const STEP: f64 = 0.125;
 const LEAST_STEP: f64 = 1e-3;
-/// Volume of a part relative to its cell, and distance from a facet relative to the diameter of a cell, that are zero.
+/// Volume of a part relative to its cell, and distance from a facet relative to the diameter of a cell, below which
+/// they are taken as zero.
 const NEGLIGIBLE: f64 = 1e-9;
-/// Least difference of two values of a linear function in its fraction of a simplex, relative to the largest one.
+/// Smallest difference of the values of a linear function at two vertices in [`fraction_of_simplex`], relative to the
+/// largest value.
 const SEPARATION: f64 = 1e-4;
-/// Number of halvings of the step in which a film ends.
+/// Number of bisections of the step in which a film ends.
 const HALVINGS: usize = 12;
 
 impl<const D: usize> FilmValues<D> {
-    /// Changes the conductance in the last parts of films that end at edges of their `surfaces`. It precedes
-    /// [`FilmValues::subtract_slip`].
+    /// Changes the conductance in the last parts of films that end at edges of their `surfaces`, and sets the pressure
+    /// up to the edge ([`LastPiece`]). It precedes [`FilmValues::subtract_slip`].
     ///
-    /// A part without film has the pressure of open fluid at all of its dofs, also if a film reaches into it. The
-    /// pressure of the film then falls to that of open fluid up to a cell before the edge. The distance in which it
-    /// falls is `1/|∇_τ N|`, with the sum `N` of the shape functions of dofs in open fluid and its gradient `∇_τ N`
-    /// along the film. From the same origin, where `N` is zero, the distance to the edge is `ℓ`, and the open fluid
-    /// behind it resists like a film of length `ε = 0.63 δ - 0.42 δ³/h²`, at least zero: the second share is in the
-    /// discrete open fluid, which resists like that behind a slit as wide as a cell. The conductance is multiplied by
+    /// Problem: the pressure of a film falls to that of open fluid one cell before its edge, because dofs of the cell
+    /// with the edge are in open fluid: a part without film has the pressure of open fluid at all of its dofs.
+    /// Remedy: the conductance of the last part, which has dofs in open fluid, is multiplied by
     ///
     /// `1/(|∇_τ N| (ℓ + ε))`,
     ///
-    /// with which the difference of the pressures is that of the whole film for the same flux. If the edge is so near
-    /// that the discrete pressure does not fall to that of open fluid before it, the film covers the fraction
-    /// `|∇_τ N| ℓ` of the length only, and the conductance is divided by it. A part with the edge in it conducts before
-    /// the edge only. The factor is at most 4. On surfaces in the last part acts the pressure of the film up to the
-    /// edge ([`LastPiece`]).
+    /// with which the same flux has the difference of the pressures of the whole film. The symbols are
     ///
-    /// Dofs in open fluid have the velocity of open fluid, too, so that only the share `1 - N` of the parabola that
-    /// layers represent is there: the missing flux is that of `d² + N (δ² - d²)` in place of `d²`.
-    /// A part with vertices in open fluid behind both ends of a short film has the length between them, with twice the
-    /// resistance of open fluid. A film that becomes thicker without an edge is not changed.
+    /// - `N`: sum of the shape functions of dofs in open fluid. The discrete pressure begins to fall where `N` is zero.
+    /// - `∇_τ N`: gradient of `N` along the film. The discrete pressure falls over the distance `1/|∇_τ N|`.
+    /// - `ℓ`: distance from where `N` is zero to the edge.
+    /// - `ε = 0.63 δ - 0.42 δ³/h²`, at least zero: length of film with the resistance of the open fluid behind the
+    ///   edge, for the gap `δ` and the extent `h` of the cell across the film. The second term is the resistance that
+    ///   the discrete open fluid has already, that of fluid behind a slit as wide as a cell.
+    ///
+    /// Special cases:
+    ///
+    /// - If `|∇_τ N| ℓ < 1`, the edge is so near that the discrete pressure does not fall to that of open fluid before
+    ///   it. The film covers only this fraction of the length, and the conductance is also divided by the fraction.
+    /// - A part with the edge in it conducts before the edge only.
+    /// - A part with vertices in open fluid behind both ends of a short film has the length between the ends, with
+    ///   twice `ε`.
+    /// - A film that becomes thicker without an edge is not changed.
+    ///
+    /// The factor is at most 4. Dofs in open fluid also have the velocity of open fluid, so that only the share `1 - N`
+    /// of the parabola that layers represent is there. The missing flux is therefore that of `d² + N (δ² - d²)` in
+    /// place of `d²`.
     pub fn extend_to_edges(
         &mut self,
         background: &SimplexMesh<D>,

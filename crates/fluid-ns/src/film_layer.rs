@@ -9,14 +9,14 @@ pub(crate) fn extent<const D: usize>(points: &[Point<D>], direction: &Vector<D>)
     high - low
 }
 
-/// The thickness of layers of a background in films, by the flux that linear velocities lack.
+/// Thickness `d` of the layers of cells of a background in films.
 ///
-/// A gradient of the pressure drives a flow with a parabola across the film. Linear interpolation of the parabola in a
-/// layer of thickness `d` has a flux that is too small by `d²/12`, per thickness and gradient over viscosity. In cells
-/// of any shape the deficit is the mean of `|∇(q - I q)|²` with `q = s²/2` and the distance `s` across the film,
-/// because the flux of a solution equals its Dirichlet integral. The thickness of a layer is that with the same
-/// deficit, in the mean over the cells around the vertices of a cell. It is the extent of cells whose faces are along
-/// the film, and up to 12 % more or 20 % less in halves of squares that the film crosses at an angle.
+/// A gradient of the pressure drives a flow whose velocity is a parabola across the film. Linear interpolation of the
+/// parabola in a layer of thickness `d` lacks the flux `d²/12`, per thickness and gradient over viscosity. For cells of
+/// any shape the missing flux is the mean of `|∇(q - I q)|²` with `q = s²/2` and the distance `s` across the film,
+/// because the flux of a solution equals its Dirichlet integral. The thickness is the `d` for which `d²/12` is this
+/// mean, taken over the cells around the vertices of a cell. For cells with faces along the film it is the extent of
+/// the cell. For halves of squares that the film crosses at an angle it is 20 % less to 12 % more.
 pub(crate) struct Layers<'m, const D: usize> {
     background: &'m SimplexMesh<D>,
     /// The cells around each vertex.
@@ -35,8 +35,8 @@ impl<'m, const D: usize> Layers<'m, D> {
 
     /// Returns the thickness of the layer of a cell in a film with a unit normal.
     ///
-    /// Tetrahedra of a cube whose faces are along the film lack 0.6 and 1.2 of the flux of the layer. The mean over all
-    /// around a vertex is one, also at the boundary.
+    /// In a cube of tetrahedra with faces along the film, single cells lack 0.6 or 1.2 times the flux that the layer
+    /// lacks. The mean over the cells around a vertex is exact, also at walls along the film.
     pub(crate) fn thickness(&self, cell: CellId, normal: &Vector<D>) -> f64 {
         let around_vertex = |cells: &Vec<CellId>| {
             let volumes = cells.iter().map(|cell| (self.background.cell_volume(*cell), *cell));

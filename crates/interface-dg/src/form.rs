@@ -6,7 +6,8 @@ use fluid_ns::NewtonianFluid;
 use crate::terms::{AdjointConsistency, Consistency, FilmEnd, Penalty, PenaltyProfile};
 use crate::{InterfacePoints, MeanSlips};
 
-/// The three mortaring terms.
+/// The mortaring terms: the three of Eq. (4); in films also [`FilmEnd`] and the penalty on the mean slip
+/// ([`MeanSlips`]).
 pub struct MortarForm {
     /// `-(T n^f, v - w)`.
     pub consistency: Consistency,

@@ -10,6 +10,10 @@
 //! | `-(u - v_s, T(v, -q; w) n^f)` | `terms/adjoint_consistency.rs` |
 //! | `(S (u - v_s), v - w)` | `terms/penalty.rs` |
 //!
+//! In films there are two more: the penalty on the mean slip (`mean_slip.rs`, docs/adr/0044-mean-slip-in-films.md), and
+//! the pressure of a film up to the edge at which it ends (`terms/film_end.rs`,
+//! docs/adr/0045-pressure-at-the-end-of-films.md).
+//!
 //! Where surfaces are in contact they border no fluid. On these *closed* parts acts the term `(p n, w)` of
 //! `terms/closed_pressure.rs`, with the pressure `p` of the fluid at the rim. The pressure acts on the elements of a
 //! body at the stage of the step, or with implicit Euler at the positions of the cut: `terms/moved_pressure.rs` moves

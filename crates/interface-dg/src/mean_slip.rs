@@ -21,8 +21,9 @@ pub struct MeanSlip<const D: usize> {
     pub value: Vector<D>,
     /// Measure of the surface, with the weight of the coordinates.
     pub weight: f64,
-    /// Length `χ d`: thickness of the layer of the film times its share; zero for `α < 1`, where the traction of the
-    /// solid varies on the surface, and all of the slip is penalised.
+    /// Length `χ d`: thickness `d` of the layer ([`fluid_ns::FilmPart::layer`]) times the share `χ` of the film
+    /// ([`fluid_ns::FilmPart::share`]). Zero for `α < 1`: then the whole slip is penalised, because the traction of the
+    /// solid varies on the surface.
     pub thickness: f64,
     /// Viscous length ([`crate::PieceValues::viscous_length`]).
     pub viscous_length: f64,

@@ -3,7 +3,8 @@
 use body::SurfaceMotion;
 use mesh::{FacetId, MAX_FACET_NODES, Order, Point, ShapeFunctions, Tensor, Vector, area_vector};
 
-/// A facet of an element, which is curved for order 2, or one of the linear parts of that.
+/// A facet of the surface with its element: for order 1 the facet itself, for order 2 a curved element, of which the
+/// facet is a linear part.
 ///
 /// The pressure acts at the stage of the step, which depends on the unknown velocities, or at the positions of the cut
 /// ([`SurfaceMotion::stage`]).

@@ -17,8 +17,8 @@ pub struct Pocket {
     pub parts: Vec<PartId>,
     /// A dof of the space in the region. Its pressure is set to zero during the solve.
     pub dof: u32,
-    /// Parts of other regions whose pressure shifts with the constant, and the ratio of their shift to that of this
-    /// region. Example: two regions that a free piston separates have one undetermined constant.
+    /// Parts of other regions whose pressure changes with the constant of this region, and the ratio of their change to
+    /// that of the constant. Example: two regions that a free piston separates have one undetermined constant.
     pub coupled: Vec<(Vec<PartId>, f64)>,
 }
 

@@ -11,7 +11,8 @@ use crate::traction::tractions_by_mean;
 pub struct InterfacePower {
     /// `∫ σ_n |(u - v_s)·n|²`.
     pub penalty_normal: f64,
-    /// `∫ σ_t |(u - v_s) - (u - v_s)·n n|²`.
+    /// `∫ σ_t |(u - v_s) - (u - v_s)·n n|²`. On surfaces along films `σ_f` replaces `σ_t`, and the power of the penalty
+    /// on the mean slip is added ([`Penalty`]).
     pub penalty_tangential: f64,
     /// Power of the fluid on bodies of given motion, `∫ t·v_s` with the traction `t = -T^f n^f + S (u - v_s)`.
     pub given_motion: f64,

@@ -14,8 +14,9 @@ const ALONG: f64 = 0.5;
 
 /// The pieces of one side of a body along the film in a fluid part.
 ///
-/// The velocity of a layer of the film is a linear function. If it equals that of the body on the whole surface it
-/// cannot vary along the film. Therefore the penalty acts on its mean over the patch.
+/// The velocity in a layer of the film is a linear function. If the penalty forced it to equal the velocity of the body
+/// on the whole surface, it could not vary along the film. Therefore the penalty acts on the mean of the slip over the
+/// patch.
 #[derive(Clone, Debug)]
 pub(crate) struct SlipPatch<const D: usize> {
     /// Numbers of the pieces, at least one.
@@ -24,7 +25,8 @@ pub(crate) struct SlipPatch<const D: usize> {
     pub(crate) part: PartId,
     /// The body.
     pub(crate) body: BodyId,
-    /// Length `χ d`: thickness of the layer times the share of the film.
+    /// Length `χ d`: thickness `d` of the layer ([`fluid_ns::FilmPart::layer`]) times the share `χ` of the film
+    /// ([`fluid_ns::FilmPart::share`]).
     pub(crate) thickness: f64,
     /// Sum of the weights of all points.
     pub(crate) weight: f64,

@@ -174,7 +174,8 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
             // A facet on the axis of axisymmetric coordinates.
             return Vector::zeros();
         }
-        // Share of the facet that is closed, and the barycentric coordinates of its centroid times the share.
+        // Closed fraction of the facet, and the barycentric coordinates of the centroid of the closed part times this
+        // fraction.
         let (mut share, mut moments) = (1.0, shares(coordinates, &surface.facet_points(facet)[..D]));
         let (mut sum, mut of_part) = (Vector::zeros(), Vec::new());
         for item in self.on_facet(facet) {
@@ -220,8 +221,8 @@ impl<const D: usize> FluidStress<'_, D> {
     }
 }
 
-/// Returns the shares of the corners of a facet in the mean of a linear function over it, weighted by
-/// [`Coordinates::weight`]. They are the barycentric coordinates of the centroid.
+/// Returns the weights with which the values of a linear function at the corners of a facet add up to its mean,
+/// weighted by [`Coordinates::weight`]. They are the barycentric coordinates of the centroid.
 fn shares<const D: usize>(coordinates: Coordinates, corners: &[Point<D>]) -> [f64; D] {
     let weights: [f64; D] = std::array::from_fn(|k| coordinates.weight(&corners[k]));
     let sum: f64 = weights.iter().sum();

@@ -72,7 +72,7 @@ fn has_files(directory: &Path) -> bool {
     fs::read_dir(directory).is_ok_and(|mut entries| entries.next().is_some())
 }
 
-/// Refuses a directory in which the copy of the scenario would replace the scenario itself.
+/// Returns an error for a directory in which the copy of the scenario would replace the scenario itself.
 ///
 /// # Errors
 /// [`Error::Input`].

@@ -1,4 +1,4 @@
-//! `history.csv`, `diagnostics.csv` and `probes.csv`: one row per step, or per part of a step that was divided.
+//! `history.csv`, `diagnostics.csv` and `probes.csv`: one row per step, or per substep of a step that was divided.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};

@@ -21,7 +21,7 @@ const LARGEST_LAGGING: f64 = 0.03;
 /// Pressure relative to Young's modulus from which on Saint Venant-Kirchhoff bodies are unreliable.
 const LARGEST_OF_SVK: f64 = 0.3;
 
-/// A pressure in the fluid that does not come from its motion.
+/// A pressure that acts in fluid at rest: given on a side, or hydrostatic.
 struct Pressure {
     /// The side and the quantity, such as "side top: pressure".
     source: String,

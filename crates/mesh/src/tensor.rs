@@ -19,8 +19,8 @@ pub fn unit_vector<const D: usize>(axis: usize) -> Vector<D> {
     Vector::from_fn(|a, _| f64::from(u8::from(a == axis)))
 }
 
-/// Returns whether surfaces with two unit normals face opposite ways: one normal and the reverse of the other one enclose
-/// less than 60 degrees.
+/// Returns whether surfaces with two unit normals face opposite ways: one normal and the reverse of the other one
+/// enclose less than 60 degrees.
 #[inline]
 pub fn are_opposite<const D: usize>(normal: &Vector<D>, other: &Vector<D>) -> bool {
     normal.dot(other) < -0.5

@@ -23,7 +23,8 @@ struct Share {
 }
 
 impl<const D: usize> SolidMesh<D> {
-    /// Returns the body without mass at the given nodes, and whether the first moments of the mass are kept.
+    /// Moves the mass of the given nodes, such as those that may come into contact, to their neighbours. Returns the
+    /// body, and whether the first moments of the mass are kept.
     ///
     /// Nodes in contact that have mass exchange their momentum in one step, and the pressure of contact oscillates.
     /// Nodes without mass follow their neighbours without inertia.

@@ -10,14 +10,15 @@ use crate::contact_step::StepRefs;
 use crate::setup::Contact;
 use crate::{Setup, State};
 
-/// Penalty weight relative to mass/Δt, with the smaller mass of two bodies; its inverse is about the relative error of
-/// the velocity.
+/// Penalty weight `c` relative to mass/Δt, with the smaller mass of two bodies. The relative error of the velocity is
+/// about its inverse.
 const STIFFNESS: f64 = 1e8;
 
-/// Smallest excess of a point that acts, with a negative sign, at which the point is released, relative to the largest
-/// relative velocity at the start: a pull of 1e-4 of the impulse, above round-off.
+/// Size of the negative excess of velocity at which a point is released because it pulls, relative to the largest
+/// relative velocity at the start. The penalty gives this excess an impulse of 1e-4 times mass and velocity, which is
+/// above round-off.
 const LEAST_PULL: f64 = 1e-4 / STIFFNESS;
-/// Smallest excess at which a point that does not act is added, relative to the largest relative velocity at the start.
+/// Smallest excess of velocity at which a point that does not act is added, relative to the same velocity.
 const LEAST_EXCESS: f64 = 1e-6;
 /// Largest number of times that a point is added. A point is released whenever it pulls.
 const MOST_ADDITIONS: usize = 2;

@@ -76,7 +76,8 @@ fn pair<'p, const D: usize>(contact: &'p Contact<D>, refs: StepRefs<'p, D>) -> C
         obstacle: contact.obstacle(),
         master: contact.master().map(surface),
         stress,
-        // With a stress, contact of a body with itself acts from both sides.
+        // A law with stress is integrated over both surfaces of a body in contact with itself, each with half of the
+        // traction.
         share: if is_own && needs_stress(source) { 0.5 } else { 1.0 },
         conserves: refs.time.weights.conserves,
     }
@@ -107,8 +108,8 @@ impl<const D: usize> ContactStep<D> {
         self.items.set_multipliers(multipliers);
     }
 
-    /// Returns the motion of slave and master in the step, and that for which the obstacle was searched, if the first
-    /// is larger and they may have touched.
+    /// Returns the sum of the largest motions of slave and master in the step, and the motion for which obstacles were
+    /// searched, if the first is larger and the bodies may have touched. Returns `None` otherwise.
     pub(crate) fn missed(&self, contact: &Contact<D>, refs: StepRefs<'_, D>, x: &[f64]) -> Option<[f64; 2]> {
         if !self.items.is_searched() {
             return None;
@@ -128,7 +129,7 @@ impl<const D: usize> ContactStep<D> {
             return None;
         }
         let obstacle = master.map_or(&[][..], |master| &master.start);
-        // `None` for contact of a body with itself. Zero is then assumed: it may have been missed.
+        // The gap of a body to itself is not known (`None`). It is taken as zero, so that the contact counts as missed.
         let of_slave = |node| speed_of(slave, node);
         let apart = contact.smallest_gap(slave.boundary, [&slave.start, obstacle], of_slave, master_speed);
         let apart = apart.unwrap_or(0.0);

@@ -44,8 +44,8 @@ pub enum Error {
     /// The surfaces cannot cut the background: a body is turned inside out or torn.
     #[error("the surfaces cannot cut the background")]
     Cut(#[from] cutcell::Error),
-    /// The cut leaves a part of the interface without a facet, where fluid and body would not be coupled. Move the
-    /// body, or the mesh, by a fraction of a cell, and report the case.
+    /// Some faces between fluid and body belong to no facet of a body: fluid and body would not be coupled there. Move
+    /// the body, or the mesh, by a fraction of a cell, and report the case.
     #[error(
         "the cut leaves {uncovered:e} of an interface of {interface:e} without a facet; move the body or the mesh by a fraction of a cell"
     )]
@@ -119,7 +119,8 @@ pub enum Error {
         /// Report of the nonlinear solve, which is discarded.
         newton: Box<NewtonReport>,
     },
-    /// A body passed through its obstacle in a step, or to the half that is nearer to another side. Take smaller steps.
+    /// A vertex entered an obstacle in a step and came out of it, or is closer to another side at the end. Take smaller
+    /// steps.
     #[error(
         "in contact {contact} a body passes through its obstacle: a vertex moves by {motion:e} in a step, from one side to another; take smaller steps"
     )]
@@ -170,11 +171,11 @@ pub enum Error {
     Observer(#[source] ObserverError),
 }
 
-/// Ratio of two changes below which they shrink.
+/// Ratio of successive changes below which they count as decreasing.
 const SHRINKS: f64 = 1.0 - 1e-6;
 
-/// Returns the remedy for multipliers that a solve changes by `ratio` times the change of the solve before. With the
-/// stiffness `k` of the contact and `K` of the motion in a step, `ratio = K/(K + k)`.
+/// Returns the remedy if multipliers have not settled. `ratio` is the change in a solve over that in the solve before:
+/// `K/(K + k)` for the stiffness `k` of the contact and `K` of the bodies in a step.
 fn remedy(ratio: f64) -> String {
     if ratio < SHRINKS {
         let factor = 100.0 * ratio / (1.0 - ratio);

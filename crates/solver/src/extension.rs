@@ -10,7 +10,7 @@ use mesh::{MAX_CELL_VERTICES, MAX_FACET_NODES, Tensor, Vector};
 use xfem_space::{FaceValue, Sources, XfemSpace};
 
 /// Weight of the velocity of the body at each uncovered vertex of a cut cell, relative to its weight on the surface. It
-/// determines values for which the surface leaves a choice, such as in a pocket inside one cell.
+/// makes the values unique where those on the surface do not determine them, such as in a pocket inside one cell.
 const AT_VERTICES: f64 = 1e-10;
 /// Relative tolerance of the solution.
 const TOLERANCE: f64 = 1e-10;
@@ -154,7 +154,7 @@ impl<const D: usize> Contributions for Jumps<'_, D> {
     }
 }
 
-/// `Σ_Σ 1/h_K (u - v, w)`, and a small part of it at vertices.
+/// `Σ_Σ 1/h_K (u - v, w)`, and the same at the vertices with the factor [`AT_VERTICES`].
 struct SurfaceFit<'a, const D: usize> {
     unknowns: Unknowns<'a, D>,
     extension: Extension<'a, D>,

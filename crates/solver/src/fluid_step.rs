@@ -232,8 +232,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         self.open_boundaries.iter().map(of_terms).sum()
     }
 
-    /// Returns the kinetic energy that fluid brings in during the step through sides without the term for inflow. It is
-    /// a part of the work of convection.
+    /// Returns the kinetic energy of the fluid that enters during the step through sides without the term for backflow.
+    /// It is a part of the work of convection.
     pub(crate) fn inflow_energy(&self, layout: &BlockLayout, x: &[f64]) -> f64 {
         let (geometry, fields, density) = (self.geometry(), self.fields(layout), self.setup.material.density);
         let of_side = |(tag, condition): &(Tag, FluidBoundary<D>)| {
@@ -288,8 +288,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         self.end_films(layout, constraints);
     }
 
-    /// Prescribes the pressure where films end at open boundaries: minus the given normal traction. The natural
-    /// condition of the flux along a film is no flux, which does not contain the traction.
+    /// Prescribes the pressure where films end at open boundaries: minus the given normal traction. Without it the flux
+    /// along the film would be zero there, the natural condition of this term, which does not contain the traction.
     fn end_films(&self, layout: &BlockLayout, constraints: &mut Constraints) {
         let (Some(films), background) = (&self.films, &self.setup.background) else { return };
         for piece in self.cut.boundary().iter().filter(|piece| films.of(piece.part).is_some()) {

@@ -145,7 +145,7 @@ impl<const D: usize> Problem<'_, D> {
         let total = dt * x.iter().zip(residual).map(|(x, r)| x * r).sum::<f64>();
         let constrained = (0..layout.len()).filter(|&k| step.constraints.get(DofId::new(k)).is_some());
         let mut by_ties: f64 = step.constraints.offsets().map(|(dof, x)| x * residual[dof.index()]).sum();
-        // The part of the value of a tied dof that comes from prescribed masters is given.
+        // Prescribed masters of a tied dof prescribe a part of its value.
         for (dof, to) in step.constraints.ties() {
             let given = to.iter().filter(|(master, _)| step.constraints.get(*master).is_some());
             by_ties += residual[dof.index()] * given.map(|(master, factor)| factor * x[master.index()]).sum::<f64>();
@@ -191,8 +191,8 @@ impl<const D: usize> Problem<'_, D> {
             let [at_start, at_end] = balances[b].map(energy);
             let change = at_end - at_start;
             let scheme_change = scheme_energy(end, end, at_end) - scheme_energy(start, rates, at_start);
-            // The motions of the scheme lie beyond the state, and a material may have no energy there. The line then
-            // has a jump of the energy that the scheme stores in this step and the next.
+            // The motions of the scheme are extrapolated from the state, and a material may have no energy there. Then
+            // the line has a jump of the energy that the scheme stores, in this step and the next.
             let scheme_change = if scheme_change.is_finite() { scheme_change } else { change };
             ledger.change += change;
             ledger.scheme_storage += scheme_change - change;
@@ -203,10 +203,11 @@ impl<const D: usize> Problem<'_, D> {
         ledger.moved_surface = self.moved.iter().map(|(_, surface)| work(&moved_pressure(surface.clone()))).sum();
         known += ledger.moved_surface;
         let by_laws: f64 = self.contacts.iter().map(|sites| work(&contact_work(sites.clone()))).sum();
-        // A run may begin in contact: bodies that do not move keep the positions at which contact acts.
+        // Energy of contacts at the start of a run, which may begin in contact: with velocity zero, the positions at
+        // which contact acts do not change in the step.
         let rest = vec![0.0; x.len()];
         let of_start = |sites: &ContactSites<'_, D>| sites.stored_energy(&rest);
-        // If the first step is divided, `before.step` is zero in all of its parts.
+        // If the first step is divided, `before.step` is zero in all of its substeps.
         let is_first = before.time == 0.0;
         let contact_before = if is_first { self.contacts.iter().map(of_start).sum() } else { before.contact_energy };
         let contact = by_laws + step.collisions.iter().flatten().map(|collision| work(collision)).sum::<f64>();

@@ -20,7 +20,7 @@ pub struct StepView<'a, const D: usize> {
 }
 
 impl<const D: usize> StepView<'_, D> {
-    /// Returns whether a whole step of the setup ends here, and not only a part of one that was divided.
+    /// Returns whether a whole step of the setup ends here, and not only a substep.
     pub fn ends_step(&self) -> bool {
         self.report.is_none_or(|report| report.substep.is_last)
     }
@@ -28,7 +28,7 @@ impl<const D: usize> StepView<'_, D> {
 
 /// Receiver of all steps, which writes files, collects histories or shows progress.
 pub trait Observer<const D: usize> {
-    /// Receives the state at the start, then after every step, and after every part of a step that was divided.
+    /// Receives the state at the start, then after every step, and after every substep of a step that was divided.
     ///
     /// # Errors
     /// Anything; the run stops.

@@ -11,9 +11,9 @@ const MOST_POINTS: usize = 64;
 /// Gap at which a path enters the obstacle, as a fraction of the contact size.
 const ENTERS: f64 = 1e-3;
 
-/// Returns the motion, relative to the obstacle, of a vertex of the slave that begins in front of the obstacle, enters
-/// it, and ends nearest to a side that faces the other way, in the obstacle or behind it. Contact would then push it
-/// out there, or not act at all. `None` if there is no such vertex, and for contact of a body with itself.
+/// Finds a vertex of the slave that passes through the obstacle: it begins in front of it, enters it, and its closest
+/// side at the end faces the other way. Returns its motion relative to the obstacle. Contact would push such a vertex
+/// out on the wrong side, or not act. Returns `None` if there is no such vertex, and for contact of a body with itself.
 ///
 /// Motions up to the contact size are not tested: steps that resolve contact have such motions.
 pub(crate) fn passage<const D: usize>(
@@ -58,8 +58,8 @@ pub(crate) fn passage<const D: usize>(
     })
 }
 
-/// Returns whether a path that begins in front of the obstacle passes through it. The path is followed by its distance
-/// to the obstacle up to the point at which it enters.
+/// Returns whether a path that begins in front of the obstacle passes through it. The distance from each tested point
+/// of the path to the next is that of the former from the obstacle, up to the point at which the path enters.
 fn passes<const D: usize>(
     start: Point<D>,
     path: Vector<D>,

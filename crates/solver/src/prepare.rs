@@ -14,12 +14,12 @@ use crate::fluid_step::FluidStep;
 use crate::passage::passage;
 use crate::{Contact, Error, Setup, State, StepSeconds};
 
-/// A step of the setup, or a part of one.
+/// A whole step of the setup, or a substep of one that is divided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Substep {
     /// Length, a time.
     pub dt: f64,
-    /// Whether a step of the setup ends with this part.
+    /// Whether a whole step ends with it.
     pub is_last: bool,
 }
 

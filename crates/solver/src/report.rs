@@ -94,7 +94,8 @@ pub struct FluidReport<const D: usize> {
     /// Number of pockets of fluid whose mean pressure was fixed.
     pub n_pockets: usize,
     /// Largest net flow that given velocities let into a pocket or out of it, relative to its volume, 1/time; negative
-    /// if the pocket shrinks. The fluid has nowhere to go, so that this flow ends in a source at one vertex.
+    /// if the pocket shrinks. The fluid is incompressible, so that the solution has a source of this size at one
+    /// vertex.
     pub pocket_source: f64,
     /// Kinetic energy that fluid brings in during the step through sides with a given velocity or parallel flow, and
     /// through open ones without a term for inflow.
@@ -104,7 +105,7 @@ pub struct FluidReport<const D: usize> {
 /// Diagnostics of one time step.
 #[derive(Clone, Debug)]
 pub struct StepReport<const D: usize> {
-    /// The step, or the part of a step.
+    /// The step or substep.
     pub substep: Substep,
     /// Newton's method.
     pub newton: NewtonReport,
@@ -183,8 +184,9 @@ impl<const D: usize> Problem<'_, D> {
 }
 
 impl<const D: usize> Step<'_, D> {
-    /// Returns the largest source of a pocket relative to its volume: the residual of the equation of the pressure that
-    /// the pocket has constrained is the net flow into the pocket, because all other such equations of its parts hold.
+    /// Returns the largest source of a pocket relative to its volume. The source is the residual of the equation of the
+    /// dof whose pressure the pocket prescribes. All other such equations of its parts hold, so that this residual is
+    /// the net flow into the pocket.
     fn pocket_source(&self, fluid: &FluidStep<'_, D>, residual: &[f64]) -> f64 {
         let source = |pocket: &Pocket| {
             let volume: f64 = pocket.parts.iter().map(|part| fluid.parts.moments(*part).volume()).sum();

@@ -43,9 +43,9 @@ pub struct Setup<const D: usize> {
 /// close.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ApproachSteps {
-    /// Largest motion of the bodies of a contact in a step, relative to the gap between them.
+    /// Largest motion of the bodies of a contact in a substep, relative to the gap between them.
     pub fraction: f64,
-    /// Smallest length of a step, a time.
+    /// Smallest length of a substep, a time.
     pub smallest: f64,
 }
 

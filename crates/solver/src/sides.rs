@@ -36,9 +36,9 @@ impl<const D: usize> SideForce<D> {
 impl<const D: usize> FluidStep<'_, D> {
     /// Returns the force of the fluid on each part of the boundary, in the order of the setup; zero for open parts.
     ///
-    /// A dof at which the velocity is constrained has a reaction, the residual of its equation: the traction of the
-    /// side times the shape function. Reactions are in balance with all other forces. Where sides meet, a reaction
-    /// belongs to several sides. The force on each is the integral of its stress plus an equal share of the rest.
+    /// At a dof with a constrained velocity, the residual of its equation is the reaction of the side: its traction
+    /// times the shape function, integrated. Reactions balance all other forces. At a dof that several sides have in
+    /// common, the force on each is the integral of the stress on it plus an equal share of the rest of the reaction.
     pub(crate) fn side_forces(&self, layout: &BlockLayout, x: &[f64], residual: &[f64]) -> Vec<SideForce<D>> {
         let background = &self.setup.background;
         let sides = &self.setup.boundary;

@@ -4,8 +4,8 @@ use algebra::Workspace;
 
 use crate::{Error, Setup, State, Step, StepError, StepReport, Substep};
 
-/// Advances fluid, bodies and contacts by a step, or a part of one, on the geometry at its start, or extrapolated to
-/// its stage (generalised-α).
+/// Advances fluid, bodies and contacts by a step or substep, on the geometry at its start, or extrapolated to its stage
+/// (generalised-α).
 ///
 /// The result is a function of `setup`, `previous` and `substep`. `work` recycles memory, and factors of some solvers.
 ///

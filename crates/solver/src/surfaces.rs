@@ -48,8 +48,8 @@ impl<const D: usize> Surfaces<'_, D> {
         self.on_facet(item, |node| level.velocity[node] + gained(node))
     }
 
-    /// Returns `a - ∇u w` with the acceleration `a` of the body of an interface piece and the velocity `w` with which
-    /// its surface moves: `∂u/∂t` at a fixed point, for a fluid of velocity `u` that moves with the body.
+    /// Returns the acceleration at a fixed point, `∂u/∂t`, of a fluid of velocity `u` that moves with the body of an
+    /// interface piece: `a - ∇u w` with the acceleration `a` of the body and the velocity `w` of its surface.
     pub(crate) fn accelerations(&self, item: usize, velocity: &[Vector<D>]) -> OnFacet<D> {
         let piece = &self.cut.interface()[item];
         let nodes = self.space.dofs(piece.part).iter().zip(self.parts.gradients(piece.part));
@@ -67,13 +67,14 @@ impl<const D: usize> Surfaces<'_, D> {
         })
     }
 
-    /// Carries velocity and acceleration of the fluid to the space of the step, and extends both to uncovered dofs:
+    /// Transfers velocity and acceleration of the fluid to the space of the step, and extends both to uncovered dofs:
     /// those without a value on the space before.
     ///
-    /// The velocity of the body holds at the positions of its surface at the start of the step; extrapolated geometry
-    /// is cut elsewhere. The rate of change at a fixed point is given on the cut surface, with an error of first order
-    /// in the distance. If it were given at the start, the error would be that of the gradient of the acceleration,
-    /// which is large, times the distance to the cut.
+    /// The extensions use values of the bodies, whose surfaces at the start of the step differ from those of the cut if
+    /// the geometry is extrapolated. The velocity is given where it holds, on the surface at the start. The
+    /// acceleration at a fixed point is given on the surface of the cut, with an error of first order in the distance
+    /// of the two surfaces. Given at the start, its error would be this distance times the gradient of the
+    /// acceleration, which is large.
     ///
     /// # Errors
     /// The extension fails.

@@ -10,7 +10,7 @@ pub struct TimeLoop<'a, const D: usize> {
     setup: &'a Setup<D>,
     state: State<D>,
     work: Workspace,
-    /// Work of failed attempts since the last part that succeeded.
+    /// Work of failed attempts since the last substep that succeeded.
     lost: NewtonReport,
 }
 
@@ -32,14 +32,14 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
 
     /// Passes the state to the observers, then takes `n_steps` steps and passes the state after each of them.
     ///
-    /// With [`Setup::approach`] a step is taken in parts if bodies are close to each other. A step, or such a part, is
+    /// With [`Setup::approach`] a step is taken in substeps if bodies are close to each other. A step or substep is
     /// repeated in two halves from the same state if [`crate::Error::smaller_step_may_succeed`] holds. Halves are
     /// divided further, up to [`Setup::most_halvings`] times. The next half, and the next step, are tried undivided.
-    /// Observers receive the parts as well ([`crate::StepReport::substep`]). The report of a part includes the work of
-    /// the nonlinear solves that failed before it.
+    /// Observers receive the substeps as well ([`crate::StepReport::substep`]). The report of a substep includes the
+    /// work of the nonlinear solves that failed before it.
     ///
     /// # Errors
-    /// The first step or observer that fails; the state is the last good one, at the end of a part if the step was
+    /// The first step or observer that fails; the state is the last good one, at the end of a substep if the step was
     /// divided.
     pub fn run(&mut self, n_steps: usize, observers: &mut [&mut dyn Observer<D>]) -> Result<(), StepError> {
         let (step, time) = (self.state.step, self.state.time);
@@ -59,7 +59,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         Ok(())
     }
 
-    /// Takes a step of the setup, in as many parts as the gaps of contacts require.
+    /// Takes a step of the setup, in as many substeps as the gaps of contacts require.
     fn whole_step(&mut self, observers: &mut [&mut dyn Observer<D>]) -> Result<(), StepError> {
         let mut left = self.setup.dt;
         loop {
@@ -73,7 +73,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         }
     }
 
-    /// Takes a step or a part of one; if it fails, both halves of it.
+    /// Takes a step or substep; if it fails, both halves of it.
     fn step(
         &mut self,
         substep: Substep,

@@ -67,7 +67,7 @@ fn differs_from(version: &str) -> Option<bool> {
     Some(!git(&[&["diff", "--name-only", version, "--"][..], &CODE].concat())?.is_empty())
 }
 
-/// Refuses a tree with uncommitted changes: a page names the version of the code that measured it.
+/// Returns an error for uncommitted changes: a page names the version of the code that measured it.
 ///
 /// # Errors
 /// The tree has uncommitted changes.

@@ -37,6 +37,7 @@ const PHRASES: &[(&str, &str)] = &[
     ("ask for|asks for|say nothing|says nothing", "require, do not depend on"),
     ("make sense|makes sense|made sense|make no sense|makes no sense|senseless", "valid, invalid"),
     ("matter of", "depends on"),
+    ("refuses|ignores it", "returns an error for, does not use"),
     ("tell apart|told apart|knows none|knows nothing", "distinguish, does not depend on"),
 ];
 

@@ -1,4 +1,4 @@
-//! Consistency of a contact law with itself.
+//! Tests of a contact law: sign, monotonicity and derivatives.
 
 use algebra::worse;
 
@@ -15,8 +15,9 @@ pub struct LawCheck {
     pub inactive: f64,
     /// Derivatives with respect to gap, slip and stress, compared with central differences away from kinks.
     pub derivative: f64,
-    /// Normal traction compared with central differences of the stored energy, if there is any; the dependence of both
-    /// on slip and stress, since the traction of a step is computed for an energy of the gap alone.
+    /// Normal traction compared with the difference quotient of the stored energy by the gap, if the law has one. Also
+    /// the change of both with slip and stress, which must be zero: a step computes the traction from an energy of the
+    /// gap alone.
     pub energy: f64,
 }
 

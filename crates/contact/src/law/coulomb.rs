@@ -42,7 +42,7 @@ impl Coulomb {
         traction
     }
 
-    /// Adds the friction to a normal traction.
+    /// Adds the tangential traction and its derivatives to a normal traction.
     fn add_friction(&self, at: &ContactPoint, traction: &mut ContactTraction) {
         let trial = [1, 2].map(|k| self.stiffness * at.slip[k - 1] - at.stress[k]);
         let pressure = if self.is_lagged { (-at.stress[0]).max(0.0) } else { -traction.value[0] };

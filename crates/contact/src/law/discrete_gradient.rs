@@ -8,8 +8,8 @@ const SMALLEST_CHANGE: f64 = 1e-6;
 
 /// Returns `λ = (W(Δ^{n+1}) - W(Δ^n))/(Δ^{n+1} - Δ^n)` with its derivative by `Δ^{n+1}`
 ///
-/// `at` is the point at the end of the step. A law without energy is evaluated at the end. If it was evaluated at the
-/// mean gap, a stiff law would only prescribe the mean of two gaps, and the gap would alternate from step to step.
+/// `at` is the point at the end of the step. A law without energy is evaluated at the end. At the mean of the gaps at
+/// start and end, a stiff law would prescribe this mean only, and the gap would alternate from step to step.
 ///
 /// Source: Gonzalez 2000, Exact energy and momentum conserving algorithms for general models in nonlinear elasticity,
 /// doi:10.1016/S0045-7825(00)00189-4; for contact, Armero and Petocz 1998, doi:10.1016/S0045-7825(97)00256-9.

@@ -52,9 +52,9 @@ impl<const D: usize> DeformableObstacle<D> {
         SurfaceIndex::new(&Placed::new(&BoundaryMesh::from_facets(touchable), positions))
     }
 
-    /// Computes [`Obstacle::smallest_gap`] with the search structure at `positions`. Points near the box around the
-    /// body, in which all negative gaps are, come first. The loop ends when the distance to the box exceeds the
-    /// smallest gap so far.
+    /// Computes [`Obstacle::smallest_gap`] with the search structure at `positions`. Points are visited in the order of
+    /// their distances to the box around the body, which are lower bounds of positive gaps; all negative gaps are in
+    /// the box. The loop ends when this distance exceeds the smallest gap so far.
     pub(super) fn smallest_gap_with(
         &self,
         index: &SurfaceIndex<D>,
@@ -75,8 +75,9 @@ impl<const D: usize> DeformableObstacle<D> {
         smallest
     }
 
-    /// Computes the gap of a point with the search structure at `positions`; `None` if it is negative and the point is
-    /// past the end, or the closest point on the rim of the facets that can be touched.
+    /// Computes the gap of a point with the search structure at `positions`. Returns `None` if the gap is negative and
+    /// has no meaning: the point is past the end of the facets that can be touched, or its closest point is on their
+    /// rim.
     pub(super) fn gap_with(&self, index: &SurfaceIndex<D>, x: &Point<D>, positions: &[Point<D>]) -> Option<f64> {
         let (mut near, at) = (Vec::new(), Positions::Fixed(positions));
         self.overlapping(index, &Aabb::of_points([x]).expanded(index.closest(x)?.reach(x)), &mut near);
@@ -99,7 +100,7 @@ impl<const D: usize> DeformableObstacle<D> {
             let mut near = Vec::new();
             let points = &slave.facet_points(facet)[..D];
             self.overlapping(index, &Aabb::of_points(points).expanded(reach), &mut near);
-            // A facet whose box alone is near may be the far side of a thin part.
+            // Boxes may be near although facets are not: the far side of a thin part would be a candidate.
             near.retain(|&other| {
                 let other = facet_points(self.boundary.facet(other), Positions::Fixed(positions));
                 facets_are_within(reach, points, &other[..D])

@@ -41,7 +41,8 @@ impl<const D: usize> Obstacle<D> for RigidSurface<D> {
     }
 
     fn smallest_gap(&self, points: &[Point<D>], _positions: Positions<'_, D>) -> Option<f64> {
-        // A point behind a container or a wall may be far from it, so that the distance orders nothing.
+        // All points are tested: a point that is far behind a container or a wall has a large distance and a negative
+        // gap.
         points.iter().filter_map(|x| self.surface.gap_with(&self.index, x, &self.positions)).reduce(f64::min)
     }
 

@@ -73,7 +73,7 @@ pub(crate) enum Failure {
     Run {
         /// The error.
         error: Error,
-        /// Whether the run has contacts.
+        /// Properties of the run, on which the advice depends.
         traits: Traits,
     },
     /// The page of a run cannot be written.
@@ -90,7 +90,7 @@ impl From<Error> for Failure {
 #[cfg(feature = "report")]
 impl From<cutwater::report::Error> for Failure {
     fn from(error: cutwater::report::Error) -> Self {
-        // An error of the results of a run is one of crate `io`, with its own exit code.
+        // Errors about the files of a run come from `io` and have its exit codes.
         if let cutwater::report::Error::Results(error) = error { Self::from(error) } else { Self::Report(error) }
     }
 }

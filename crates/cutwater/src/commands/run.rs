@@ -226,7 +226,8 @@ impl Console {
     }
 }
 
-/// Formats a number with four digits behind the point, or with an exponent if its size is below 1e-3 or above 1e6.
+/// Formats a number with four digits after the decimal point, or with an exponent if its size is below 1e-3 or above
+/// 1e6.
 fn shown(value: f64) -> String {
     let is_plain = value == 0.0 || (1e-3..1e6).contains(&value.abs());
     if is_plain { format!("{value:.4}") } else { format!("{value:.3e}") }

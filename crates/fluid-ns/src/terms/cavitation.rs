@@ -24,7 +24,7 @@ pub struct Cavitation {
     /// difference of pressure drives. Pressures fall below the floor by about `1/C` of the differences of pressure in
     /// the film.
     pub stiffness: f64,
-    /// Parts in which no vapour appears, sorted: those of closed regions, whose volume the vapour would have to leave.
+    /// Parts of enclosed regions, sorted. No vapour appears there, because the fluid that it displaces has no outlet.
     pub enclosed: Vec<PartId>,
 }
 

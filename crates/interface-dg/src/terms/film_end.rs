@@ -4,15 +4,18 @@ use algebra::{LocalSystem, Term};
 
 use crate::MortarPoint;
 
-/// `(p' n, w)_Σ - (q' n, v_s)_Σ` with the additional pressure `p'` on the surfaces along the last part of a film, the
-/// force of the film between this part and its edge ([`fluid_ns::LastPiece`]), and the normal `n` out of the body
+/// `(p' n, w)_Σ - (q' n, v_s)_Σ` with the additional pressure `p'` on the surfaces along the last part of a film, and
+/// the normal `n` out of the body
 ///
-/// Source: Galerkin's method with the pressure of the film that falls linearly up to the edge in place of the end of
-/// the part. `q'` is its test function: the fluid that the body displaces there flows along the film.
+/// Source: Galerkin's method with a pressure of the film that falls linearly up to the edge in place of the end of the
+/// last part ([`fluid_ns::LastPiece`]).
 /// Couples: solid × pressure, pressure × solid.   Domain: interface pieces along films, in their last parts.
 /// Units: force and volume/time (2D: per unit depth).
-/// The fluid has no row. The additional forces on opposite surfaces cancel if their areas in the last parts and the
-/// factors are equal; otherwise action and reaction differ. The term is skew but for the pressures of fluid at rest.
+/// Force of the film between its last part and its edge, where the discrete pressure is already that of open fluid.
+/// `p'` is such that the force is that of a pressure which falls linearly to the edge. With the test function `q'`, the
+/// fluid that the body displaces there enters the film. The two products cancel in the energy except for pressures of
+/// fluid at rest. The fluid has no row: the forces on the surfaces on both sides differ if these have different areas
+/// in the last part, or different factors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmEnd;
 

@@ -47,13 +47,14 @@ impl PenaltyProfile {
 /// 2018, arXiv 1706.05897.
 /// Couples: velocity and solid × velocity and solid.   Domain: interface pieces of the step.
 /// Units: force (2D: per unit depth).
-/// `h_K` is the size of the background cell. In `γ μ/h_K` the viscous length takes its place, which is less in films.
+/// `h_K` is the size of the background cell. In films a length of at most this size,
+/// [`crate::PieceValues::viscous_length`], replaces `h_K` in `γ μ/h_K`.
 /// `|u* - v^n|` is the largest relative speed on the piece, at the start of the step or extrapolated to its stage.
 /// `|a* - b^n|` is the largest relative acceleration of particles at the start.
-/// On surfaces along films `σ_t` acts on the mean `m` of the slip `P (u - v_s)`, `P = I - n ⊗ n`, over each side of a
-/// body in a fluid part, and `σ_f = 1/(1/σ_t + χ d/μ)` on the rest, with the thickness `d` of the layer of the film and
-/// its share `χ`: the term is `(S_f (u - v_s), v - w)_Σ` on pieces, with `σ_f` in place of `σ_t`, and
-/// `(σ_t - σ_f) m · m(v - w) |Σ|` on the side ([`MeanSlip`]). See docs/adr/0044-mean-slip-in-films.md.
+/// In films the tangential slip `P (u - v_s)`, `P = I - n ⊗ n`, is divided into its mean `m` over a side of the body in
+/// a fluid part, with the penalty `σ_t`, and the rest, with the smaller `σ_f = 1/(1/σ_t + χ d/μ)`. `χ d` is
+/// [`MeanSlip::thickness`]. The sum is `(S_f (u - v_s), v - w)_Σ` on pieces, with `σ_f` in place of `σ_t`, plus, on the
+/// side, `(σ_t - σ_f) m · m(v - w) |Σ|` ([`MeanSlip`]). See docs/adr/0044-mean-slip-in-films.md.
 pub struct Penalty {
     /// The scaling.
     pub profile: PenaltyProfile,

@@ -15,14 +15,14 @@ use super::table::At;
 /// Relative difference of volumes that is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Part of an area or volume that is covered twice, relative to all of a body, up to which a surface is accepted.
+/// Largest doubly enclosed area or volume of a body that is accepted, relative to the covered one.
 const TWICE: f64 = 1e-6;
 
 /// Largest number of cells along an axis of the mesh on which the surface of a body is checked.
 const MOST_CELLS: usize = 16;
 
-/// Checks that the surface of each body is simple, and covers as much as it encloses. Each surface is cut out of a box
-/// around it.
+/// Checks that no surface crosses itself or encloses a region twice: a box around each body is cut by its surface, and
+/// the covered volume is compared with the enclosed one.
 pub(super) fn check_surfaces<const D: usize>(
     given: &[At<BodyKeys>],
     setup: &Setup<D>,

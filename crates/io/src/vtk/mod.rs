@@ -1,4 +1,4 @@
-//! Field files for ParaView: one `.vtu` per output, and a `.pvd` index over time.
+//! Field files for ParaView: one `.vtu` per series and output time, and a `.pvd` index per series.
 
 #[cfg(feature = "simulation")]
 pub mod bodies;

@@ -1,4 +1,4 @@
-//! The JSON Schema of scenarios: it accepts all scenarios of the repository, and refuses wrong ones.
+//! The JSON Schema of scenarios: scenarios of the repository are valid, and wrong ones are not.
 
 use std::path::Path;
 

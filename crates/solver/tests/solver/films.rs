@@ -177,7 +177,8 @@ fn fluid_in_a_corner_between_two_films_is_not_open() {
 
 #[test]
 fn a_part_past_the_edge_is_no_film() {
-    // The middle of a triangle in front of the left edge sees the edge at less than 60 degrees.
+    // A triangle in front of the left edge: the direction from the edge to its middle and the normal of the plate
+    // enclose less than 60 degrees.
     let background = structured_box::<2>([0.0; 2], [18.0, 8.0], [18, 8]).expect("a box");
     let mut setup = setup(fluid(background, 1e-9, 1.0), 1e3);
     setup.scheme = Arc::new(solver::algebra::time::QuasiStatic);
