@@ -13,6 +13,8 @@ use crate::film_layer::{Layers, extent};
 /// A point is in front of a facet if the scalar product of the unit normal and the direction from the closest point of
 /// the facet to the point is at least this value: they enclose less than 60 degrees.
 pub(crate) const FRONT: f64 = 0.5;
+/// Ratio of distances that are taken as equal.
+const SAME_DISTANCE: f64 = 1.0 + 1e-9;
 /// Gaps in extents of the cell across the film: up to the first the share `χ` is one, from the second on zero, linear
 /// between. Two layers of cells carry 3/4 of the flux of a film, four layers 15/16.
 pub(crate) const RAMP: [f64; 2] = [2.0, 4.0];
@@ -90,17 +92,20 @@ impl<const D: usize> FilmSurfaces<D> {
             let is_in_front = (x - foot.point).dot(&normal) >= FRONT * distance;
             is_in_front.then_some(FilmFoot { point: foot.point, distance, normal })
         };
-        let closest = |of: &dyn Fn(&Vector<D>) -> bool| {
-            let facets = near.iter().filter(|facet| of(&self.normals[facet.index()]));
-            facets.filter_map(in_front).min_by(|a, b| a.distance.total_cmp(&b.distance))
-        };
-        let here = closest(&|_| true)?;
-        let opposite = closest(&|other| are_opposite(other, &here.normal))?;
-        Some([here, opposite])
+        let in_front: Vec<_> = near.iter().filter_map(in_front).collect();
+        let is_closer = |a: &&FilmFoot<D>, b: &&FilmFoot<D>| a.distance.total_cmp(&b.distance);
+        let least = in_front.iter().min_by(is_closer)?.distance;
+        // At an edge of a body facets on both sides of it have the same foot.
+        let pairs = in_front.iter().filter(|foot| foot.distance <= least * SAME_DISTANCE).filter_map(|here| {
+            let facing = in_front.iter().filter(|foot| are_opposite(&foot.normal, &here.normal));
+            Some([*here, *facing.min_by(is_closer)?])
+        });
+        pairs.min_by(|[_, a], [_, b]| a.distance.total_cmp(&b.distance))
     }
 }
 
 /// The point of a facet that is closest to a point in a film.
+#[derive(Clone, Copy)]
 pub(crate) struct FilmFoot<const D: usize> {
     pub(crate) point: Point<D>,
     pub(crate) distance: f64,

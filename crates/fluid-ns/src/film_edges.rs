@@ -12,11 +12,15 @@ use crate::film_layer::extent;
 
 /// Length of film with the resistance of the open fluid behind the end of a film between a plate and a wall, relative
 /// to the gap, in Stokes flow. Source: runs with 10 and 20 cells across the film (`cargo xtask verify films`).
-const OPEN_FLUID: f64 = 0.63;
-/// The same for half of a slit in a thin wall: half of the pressure difference `32 μ q/(π δ²)` between the sides of a
-/// slit of width `δ` with the flux `q`, divided by the gradient `12 μ q/δ³` in a film. Source: Hasimoto 1958, DOI
-/// 10.1143/JPSJ.13.633.
+const OVER_WALL: f64 = 0.63;
+/// The same for a film between plates that end at the same place, which is that of one side of a slit in a thin wall:
+/// half of the pressure difference `32 μ q/(π δ²)` between the sides of a slit of width `δ` with the flux `q`, divided
+/// by the gradient `12 μ q/δ³` in a film. Sources: Hasimoto 1958, DOI 10.1143/JPSJ.13.633, for the slit; Dagan,
+/// Weinbaum, Pfeffer 1982, DOI 10.1017/S0022112082003255, for thick walls.
 const SLIT: f64 = 16.0 / (12.0 * PI);
+/// Share of this resistance that the discrete open fluid has at a gap as wide as a cell. Over a wall it is that of one
+/// side of a slit as wide as a cell.
+const ON_MESH: f64 = SLIT / OVER_WALL;
 /// Smallest length of `∇_τ N` relative to that of `∇N` for which it determines the direction to the edge
 /// ([`FilmValues::extend_to_edges`]).
 const LEAST_SLOPE: f64 = 0.2;
@@ -47,11 +51,13 @@ impl<const D: usize> FilmValues<D> {
     /// with which the same flux has the difference of the pressures of the whole film. The symbols are
     ///
     /// - `N`: sum of the shape functions of dofs in open fluid. The discrete pressure begins to fall where `N` is zero.
-    /// - `∇_τ N`: gradient of `N` along the film. The discrete pressure falls over the distance `1/|∇_τ N|`.
+    /// - `∇_τ N`: derivative of `N` along the film and across the edge. The discrete pressure falls over the distance
+    ///   `1/|∇_τ N|`.
     /// - `ℓ`: distance from where `N` is zero to the edge.
-    /// - `ε = 0.63 δ - 0.42 δ³/h²`, at least zero: length of film with the resistance of the open fluid behind the
-    ///   edge, for the gap `δ` and the extent `h` of the cell across the film. The second term is the resistance that
-    ///   the discrete open fluid has already, that of fluid behind a slit as wide as a cell.
+    /// - `ε = c δ (1 - 2/3 δ²/h²)`, at least zero: length of film with the resistance of the open fluid behind the edge,
+    ///   for the gap `δ` and the extent `h` of the cell across the film. It is `c = 0.63` if one of two surfaces ends,
+    ///   and 0.42 if both end at the same place. The second term is the resistance that the discrete open fluid has
+    ///   already.
     ///
     /// Special cases:
     ///
@@ -93,19 +99,29 @@ impl<const D: usize> FilmValues<D> {
             let size = simplex.diameter();
             surfaces.facets_near(&Aabb::of_points(simplex.points()).expanded((REACH + RAMP[1]) * size), &mut near);
             let edge = |along: Vector<D>| surfaces.edge(&middle, &along, size, &near);
-            let on_mesh = SLIT * (film.gap / extent(simplex.points(), &film.normal)).powi(2);
-            let exit = film.gap * (OPEN_FLUID - on_mesh).max(0.0);
+            let on_mesh = ON_MESH * (film.gap / extent(simplex.points(), &film.normal)).powi(2);
+            let exit = |edge: &Edge<D>| film.gap * edge.open_fluid * (1.0 - on_mesh).max(0.0);
             let (value, rises) = (in_open.iter().map(|&i| coordinates[i]).sum::<f64>(), gradient(&in_open));
             let shape = |x: &Point<D>| value + rises.dot(&(x - middle));
             let falls = along_film(rises);
-            let slope = falls.norm();
-            if slope > LEAST_SLOPE * rises.norm() {
-                let Some(to_edge) = edge(falls / slope) else { continue };
+            if falls.norm() > LEAST_SLOPE * rises.norm() {
+                let Some(end) = edge(falls.normalize()) else { continue };
+                let slope = falls.dot(&end.outwards);
                 // Lengths relative to that in which the discrete pressure falls.
-                let [ahead, exit] = [value + slope * to_edge.max(0.0), slope * exit];
-                let at_edge = simplex.barycentric(&(middle + falls * (to_edge / slope)));
+                let mut lengths = [value + slope * end.distance.max(0.0), slope * exit(&end)];
+                let along_edge = falls - end.outwards * slope;
+                let is_corner = |other: &Edge<D>| other.outwards.dot(&end.outwards) < FRONT && other.distance < size;
+                if along_edge.norm() > LEAST_SLOPE * slope
+                    && let Some(other) = edge(along_edge.normalize()).filter(is_corner)
+                {
+                    let slope = falls.dot(&other.outwards);
+                    lengths[0] += slope * other.distance.max(0.0);
+                    lengths[1] += slope * exit(&other);
+                }
+                let [ahead, exit] = lengths;
+                let at_edge = simplex.barycentric(&(middle + end.outwards * end.distance));
                 let ends_here = at_edge.is_some_and(|at| at[..=D].iter().all(|value| *value >= 0.0));
-                let past_edge = |x: &Point<D>| falls.dot(&(x - middle)) - slope * to_edge;
+                let past_edge = |x: &Point<D>| (x - middle).dot(&end.outwards) - end.distance;
                 let fraction = if ends_here { fraction_below_zero(background, cut, part, past_edge) } else { 1.0 };
                 if ends_here || ahead >= 1.0 {
                     film.last_piece = LastPiece::new([ahead, exit], std::array::from_fn(|i| in_open.contains(&i)));
@@ -118,10 +134,12 @@ impl<const D: usize> FilmValues<D> {
             let Some(along) = slopes.max_by(|a, b| a.norm().total_cmp(&b.norm())) else { continue };
             let along = along.normalize();
             let (Some(ahead), Some(behind)) = (edge(along), edge(-along)) else { continue };
-            let is_ahead = |i: &usize| (simplex.points()[*i] - middle).dot(&along) > 0.5 * (ahead - behind);
+            let halfway = 0.5 * (ahead.distance - behind.distance);
+            let is_ahead = |i: &usize| (simplex.points()[*i] - middle).dot(&along) > halfway;
             if in_open.iter().any(is_ahead) && !in_open.iter().all(is_ahead) {
                 let slope = along_film(gradient(&(0..=D).filter(is_ahead).collect::<Vec<_>>())).norm();
-                film.end_with(slope * (ahead + behind + 2.0 * exit), shape);
+                let length = ahead.distance + behind.distance + exit(&ahead) + exit(&behind);
+                film.end_with(slope * length, shape);
             }
         }
     }
@@ -189,10 +207,20 @@ fn fraction_of_simplex(mut values: Vec<f64>) -> f64 {
     sum.clamp(0.0, 1.0)
 }
 
+/// The edge at which a film ends.
+struct Edge<const D: usize> {
+    /// Unit vector along the film, out of it and across the edge.
+    outwards: Vector<D>,
+    /// Distance of the edge from a point in the film, along this vector; negative past the edge.
+    distance: f64,
+    /// Length of film with the resistance of the open fluid behind the edge, relative to the gap.
+    open_fluid: f64,
+}
+
 impl<const D: usize> FilmSurfaces<D> {
-    /// Returns the distance along a direction from a point in a film to the edge at which the film ends; `None` if
-    /// there is none within two diameters of the cell. The facets `near` contain all within this distance.
-    fn edge(&self, from: &Point<D>, along: &Vector<D>, size: f64, near: &[FacetId]) -> Option<f64> {
+    /// Returns the edge at which the film ends in a direction from a point in it; `None` if there is none within two
+    /// diameters of the cell. The facets `near` contain all within this distance.
+    fn edge(&self, from: &Point<D>, along: &Vector<D>, size: f64, near: &[FacetId]) -> Option<Edge<D>> {
         let feet = |x: &Point<D>| self.feet(x, near).filter(|feet| gap(feet) < RAMP[1] * size);
         let (mut inside, mut step) = (*from, STEP * size);
         while (inside - from).dot(along) < REACH * size && step > LEAST_STEP * size {
@@ -213,11 +241,18 @@ impl<const D: usize> FilmSurfaces<D> {
             }
             // Past an edge, the closest point of its surface remains at the edge.
             let last = feet(&inside)?;
-            let past = |foot: &FilmFoot<D>| (inside - foot.point).dot(along);
-            let at_edge =
-                |foot: &&FilmFoot<D>| past(foot) > 0.5 * gap(&last) && !self.continues(foot, along, size, near);
-            if let Some(past) = last.iter().filter(at_edge).map(past).reduce(f64::max) {
-                return Some((inside - from).dot(along) - past);
+            let thickness: f64 = last.iter().map(|foot| (inside - foot.point).dot(&foot.normal)).sum();
+            let past = |foot: &FilmFoot<D>| {
+                let off = inside - foot.point;
+                let across_edge = off - foot.normal * off.dot(&foot.normal);
+                let (past, outwards) = (across_edge.norm(), across_edge.normalize());
+                let is_past = past > 0.5 * thickness && outwards.dot(along) > FRONT;
+                (is_past && !self.continues(foot, &outwards, size, near)).then_some((past, outwards))
+            };
+            let ends = [past(&last[0]), past(&last[1])];
+            let open_fluid = if ends.iter().all(Option::is_some) { SLIT } else { OVER_WALL };
+            if let Some((past, outwards)) = ends.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0)) {
+                return Some(Edge { distance: (inside - from).dot(&outwards) - past, outwards, open_fluid });
             }
             step *= 0.5;
         }

@@ -99,7 +99,7 @@ impl<const D: usize> SolidCells<'_, D> {
 
     /// Returns the values of an affine function of the velocity at nodes, for the state `x`; entries beyond the nodes
     /// are zero.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn at_nodes(
         &self,
         affine: &Affine<Vector<D>>,

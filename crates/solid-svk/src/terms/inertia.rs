@@ -1,7 +1,7 @@
 //! Inertia of the solid.
 
 use algebra::{LocalSystem, Term};
-use mesh::Tensor;
+use mesh::Vector;
 
 use crate::SolidCell;
 use crate::cell::row;
@@ -24,12 +24,14 @@ impl<const D: usize> Term<SolidCell<'_, D>> for Inertia {
     fn add(&self, cell: &SolidCell<'_, D>, out: &mut LocalSystem) {
         let density = self.densities[cell.group];
         for i in cell.nodes() {
+            let mut force = Vector::zeros();
             for (j, mass) in cell.mass_of(i).iter().enumerate() {
                 let mass = density * mass;
-                out.add_vector::<D>(row::<D>(i), mass * cell.acceleration[j]);
-                let k = Tensor::<D>::identity() * (mass * cell.acceleration_slope);
-                out.add_block::<D, D>(row::<D>(i), row::<D>(j), k);
+                force += mass * cell.acceleration[j];
+                let slope = mass * cell.acceleration_slope;
+                (0..D).for_each(|a| out.add_tangent(row::<D>(i) + a, row::<D>(j) + a, slope));
             }
+            out.add_vector::<D>(row::<D>(i), force);
         }
     }
 }
