@@ -29,8 +29,7 @@ const LEAST_SLOPE: f64 = 0.2;
 const REACH: f64 = 2.0;
 const STEP: f64 = 0.125;
 const LEAST_STEP: f64 = 1e-3;
-/// Volume of a part relative to its cell, and distance from a facet relative to the diameter of a cell, below which
-/// they are taken as zero.
+/// Distance from a facet, relative to the diameter of a cell, below which it is taken as zero.
 const NEGLIGIBLE: f64 = 1e-9;
 /// Smallest difference of the values of a linear function at two vertices in [`fraction_of_simplex`], relative to the
 /// largest value.
@@ -54,16 +53,19 @@ impl<const D: usize> FilmValues<D> {
     /// - `∇_τ N`: derivative of `N` along the film and across the edge. The discrete pressure falls over the distance
     ///   `1/|∇_τ N|`.
     /// - `ℓ`: distance from where `N` is zero to the edge.
-    /// - `ε = c δ (1 - 2/3 δ²/h²)`, at least zero: length of film with the resistance of the open fluid behind the edge,
-    ///   for the gap `δ` and the extent `h` of the cell across the film. It is `c = 0.63` if one of two surfaces ends,
-    ///   and 0.42 if both end at the same place. The second term is the resistance that the discrete open fluid has
-    ///   already.
+    /// - `ε = c δ (1 - 2/3 δ²/h²)`, at least zero: length of film with the resistance of the open fluid behind the
+    /// edge, for the gap `δ` and the extent `h` of the cell across the film. It is `c = 0.63` if one of two surfaces
+    /// ends, and 0.42 if both end at the same place. The second term is the resistance that the discrete open fluid has
+    /// already.
     ///
     /// Special cases:
     ///
     /// - If `|∇_τ N| ℓ < 1`, the edge is so near that the discrete pressure does not fall to that of open fluid before
     ///   it. The film covers only this fraction of the length, and the conductance is also divided by the fraction.
     /// - A part with the edge in it conducts before the edge only.
+    /// - At a corner, where edges in two directions enclose more than 60° and are both near, `|∇_τ N| ℓ` and
+    ///   `|∇_τ N| ε` are sums over both. The pressure there is like the product of the distances from the edges, so
+    ///   that the mean flux across an edge is half of that of a linear pressure.
     /// - A part with vertices in open fluid behind both ends of a short film has the length between the ends, with
     ///   twice `ε`.
     /// - A film that becomes thicker without an edge is not changed.
@@ -147,7 +149,8 @@ impl<const D: usize> FilmValues<D> {
 
 impl<const D: usize> FilmValues<D> {
     /// Returns the parts of open fluid: those without film that are connected by faces and together have at least the
-    /// volume of a cell. Fluid in a corner between two films is not open. Parts of negligible volume are left out.
+    /// volume of a cell. Fluid in a corner between two films is not open. Parts as small as round-off count: penalties
+    /// on their faces tie their dofs to those of open fluid.
     fn open_fluid(
         &self,
         background: &SimplexMesh<D>,
@@ -161,7 +164,7 @@ impl<const D: usize> FilmValues<D> {
             parts.moments(part).volume() / (simplex.volume() * coordinates.weight(&simplex.centroid()))
         };
         let fractions: Vec<_> = cut.all_parts().map(fraction).collect();
-        let is_free = |part: &PartId| self.of(*part).is_none() && fractions[part.index()] > NEGLIGIBLE;
+        let is_free = |part: &PartId| self.of(*part).is_none();
         let mut regions = Classes::new(fractions.len());
         for face in faces.iter().filter(|face| face.parts.iter().all(is_free)) {
             regions.merge(face.parts[0].0, face.parts[1].0);

@@ -14,9 +14,9 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/io/src"], 13_520),
     (&["crates/report/src"], 1590),
     (&["crates/solver/src"], 3_670),
-    (&["validation"], 14_180),
+    (&["validation"], 14_220),
     (&["xtask/src"], 2420),
-    (&[""], 84_800),
+    (&[""], 85_000),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

@@ -3,6 +3,7 @@
 mod axisymmetric;
 mod collisions;
 mod dry;
+mod film_edges;
 mod films;
 mod fixture;
 mod invariance;
