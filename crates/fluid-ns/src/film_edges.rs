@@ -21,7 +21,7 @@ const SLIT: f64 = 16.0 / (12.0 * PI);
 /// Share of this resistance that the discrete open fluid has at a gap as wide as a cell. Over a wall it is that of one
 /// side of a slit as wide as a cell.
 const ON_MESH: f64 = SLIT / OVER_WALL;
-/// Smallest length of `∇_τ N` relative to that of `∇N` for which it determines the direction to the edge
+/// Smallest gradient of `N` along the film relative to the whole one for which it determines the direction to the edge
 /// ([`FilmValues::extend_to_edges`]).
 const LEAST_SLOPE: f64 = 0.2;
 // Search for the edge, with lengths relative to the diameter of a cell: largest distance, length of a step, and
@@ -43,16 +43,17 @@ impl<const D: usize> FilmValues<D> {
     ///
     /// Problem: the pressure of a film falls to that of open fluid one cell before its edge, because dofs of the cell
     /// with the edge are in open fluid: a part without film has the pressure of open fluid at all of its dofs.
-    /// Remedy: the conductance of the last part, which has dofs in open fluid, is multiplied by
+    /// Remedy: the conductance of the last parts, which have dofs in open fluid, is multiplied by
     ///
-    /// `1/(|∇_τ N| (ℓ + ε))`,
+    /// `1/(F - ∂N/∂t ε)`, `F = Σ d_i ∂φ_i/∂t`,
     ///
-    /// with which the same flux has the difference of the pressures of the whole film. The symbols are
+    /// with which the flux across the edge is that of a pressure that falls linearly to that of open fluid behind the
+    /// edge. The symbols are
     ///
+    /// - `t`: unit vector along the film and across the edge, towards the film.
+    /// - `F`: sum over the dofs of the film, with their shape functions `φ_i` and distances `d_i` from the edge. It is
+    ///   the gradient of the discrete pressure, zero at dofs in open fluid, relative to that of the linear one.
     /// - `N`: sum of the shape functions of dofs in open fluid. The discrete pressure begins to fall where `N` is zero.
-    /// - `∇_τ N`: derivative of `N` along the film and across the edge. The discrete pressure falls over the distance
-    ///   `1/|∇_τ N|`.
-    /// - `ℓ`: distance from where `N` is zero to the edge.
     /// - `ε = c δ (1 - 2/3 δ²/h²)`, at least zero: length of film with the resistance of the open fluid behind the
     /// edge, for the gap `δ` and the extent `h` of the cell across the film. It is `c = 0.63` if one of two surfaces
     /// ends, and 0.42 if both end at the same place. The second term is the resistance that the discrete open fluid has
@@ -60,12 +61,12 @@ impl<const D: usize> FilmValues<D> {
     ///
     /// Special cases:
     ///
-    /// - If `|∇_τ N| ℓ < 1`, the edge is so near that the discrete pressure does not fall to that of open fluid before
-    ///   it. The film covers only this fraction of the length, and the conductance is also divided by the fraction.
+    /// - If the discrete pressure does not fall to that of open fluid before the edge, the film covers only a fraction
+    ///   of the length in which it falls. The conductance is also divided by the fraction.
     /// - A part with the edge in it conducts before the edge only.
-    /// - At a corner, where edges in two directions enclose more than 60° and are both near, `|∇_τ N| ℓ` and
-    ///   `|∇_τ N| ε` are sums over both. The pressure there is like the product of the distances from the edges, so
-    ///   that the mean flux across an edge is half of that of a linear pressure.
+    /// - At a corner, where edges in two directions enclose more than 60° and are both near, the lengths of both are
+    ///   added. The pressure there is like the product of the distances from the edges, so that the mean flux across an
+    ///   edge is half of that of a linear pressure.
     /// - A part with vertices in open fluid behind both ends of a short film has the length between the ends, with
     ///   twice `ε`.
     /// - A film that becomes thicker without an edge is not changed.
@@ -111,6 +112,9 @@ impl<const D: usize> FilmValues<D> {
                 let slope = falls.dot(&end.outwards);
                 // Lengths relative to that in which the discrete pressure falls.
                 let mut lengths = [value + slope * end.distance.max(0.0), slope * exit(&end)];
+                let from_edge = |x: &Point<D>| end.distance - (x - middle).dot(&end.outwards);
+                let share = |i: usize| -from_edge(&simplex.points()[i]) * parts.gradients(part)[i].dot(&end.outwards);
+                let mut fall: f64 = (0..=D).filter(|i| !in_open.contains(i)).map(share).sum();
                 let along_edge = falls - end.outwards * slope;
                 let is_corner = |other: &Edge<D>| other.outwards.dot(&end.outwards) < FRONT && other.distance < size;
                 if along_edge.norm() > LEAST_SLOPE * slope
@@ -119,16 +123,17 @@ impl<const D: usize> FilmValues<D> {
                     let slope = falls.dot(&other.outwards);
                     lengths[0] += slope * other.distance.max(0.0);
                     lengths[1] += slope * exit(&other);
+                    fall = lengths[0];
                 }
                 let [ahead, exit] = lengths;
                 let at_edge = simplex.barycentric(&(middle + end.outwards * end.distance));
                 let ends_here = at_edge.is_some_and(|at| at[..=D].iter().all(|value| *value >= 0.0));
-                let past_edge = |x: &Point<D>| (x - middle).dot(&end.outwards) - end.distance;
+                let past_edge = |x: &Point<D>| -from_edge(x);
                 let fraction = if ends_here { fraction_below_zero(background, cut, part, past_edge) } else { 1.0 };
                 if ends_here || ahead >= 1.0 {
                     film.last_piece = LastPiece::new([ahead, exit], std::array::from_fn(|i| in_open.contains(&i)));
                 }
-                film.end_with((ahead + exit) * ahead.clamp(SHORTEST, 1.0) / fraction.max(SHORTEST), shape);
+                film.end_with((fall + exit) * ahead.clamp(SHORTEST, 1.0) / fraction.max(SHORTEST), shape);
                 continue;
             }
             // A short film, with open fluid behind the edges on both sides.
