@@ -55,9 +55,9 @@ impl<const D: usize> FilmValues<D> {
     ///   the gradient of the discrete pressure, zero at dofs in open fluid, relative to that of the linear one.
     /// - `N`: sum of the shape functions of dofs in open fluid. The discrete pressure begins to fall where `N` is zero.
     /// - `ε = c δ (1 - 2/3 δ²/h²)`, at least zero: length of film with the resistance of the open fluid behind the
-    /// edge, for the gap `δ` and the extent `h` of the cell across the film. It is `c = 0.63` if one of two surfaces
-    /// ends, and 0.42 if both end at the same place. The second term is the resistance that the discrete open fluid has
-    /// already.
+    ///   edge, for the gap `δ` and the extent `h` of the cell across the film. It is `c = 0.63` if one of two surfaces
+    ///   ends, and 0.42 if both end at the same place. The second term is the resistance that the discrete open fluid
+    ///   has already.
     ///
     /// Special cases:
     ///
