@@ -3,7 +3,7 @@
 
 use mesh::Aabb;
 use serde::{Deserialize, Serialize};
-use solver::body::BodyState;
+use solver::body::Balance;
 use solver::{FluidSetup, Setup, State, StepReport, StepView};
 
 /// Largest gain of energy in a step that counts as round-off, relative to the energies of the run.
@@ -53,23 +53,25 @@ impl Energies {
         let mut energies = Self { largest: start.fluid_energy() + start.contact_energy, ..Self::default() };
         energies.collides = setup.contacts.iter().map(|contact| contact.form().law.restitution().is_some()).collect();
         energies.has_inertia = setup.scheme.weights(setup.dt, true).stage_acceleration.slope != 0.0;
-        for (body, state) in setup.bodies.iter().zip(&start.bodies) {
-            let Some(balance) = body.balance(state) else {
-                energies.gravity_at_start.push(0.0);
-                continue;
-            };
-            energies.gravity_at_start.push(balance.potential_energy);
-            energies.largest += balance.kinetic_energy + balance.elastic_energy;
-        }
-        energies.compare_with(setup, &start.bodies, start.time);
+        let balances: Vec<_> =
+            setup.bodies.iter().zip(&start.bodies).map(|(body, state)| body.balance(state)).collect();
+        let of_gravity = |balance: &Option<Balance<D>>| balance.as_ref().map_or(0.0, |of| of.potential_energy);
+        energies.gravity_at_start = balances.iter().map(of_gravity).collect();
+        energies.largest += balances.iter().flatten().map(|of| of.kinetic_energy + of.elastic_energy).sum::<f64>();
+        energies.compare_with(setup, balances.iter().map(Option::as_ref), start.time);
         energies
     }
 
     /// Updates the energies of weights and of body forces, which may depend on time.
-    fn compare_with<const D: usize>(&mut self, setup: &Setup<D>, states: &[BodyState<D>], time: f64) {
+    fn compare_with<'b, const D: usize>(
+        &mut self,
+        setup: &Setup<D>,
+        balances: impl Iterator<Item = Option<&'b Balance<D>>>,
+        time: f64,
+    ) {
         let mut of_weights = 0.0;
-        for (body, state) in setup.bodies.iter().zip(states) {
-            let Some(balance) = body.balance(state) else { continue };
+        for (body, balance) in setup.bodies.iter().zip(balances) {
+            let Some(balance) = balance else { continue };
             let weight = balance.body_force + body.variable_gravity(time) * balance.mass;
             of_weights += weight.norm() * Aabb::of_points(body.reference()).extent().max();
         }
@@ -84,7 +86,8 @@ impl Energies {
     /// Adds the step that ends at the state of a view. Gains below the tolerance of Newton's method times the energies
     /// of weights and of body forces are not counted.
     pub(crate) fn add<const D: usize>(&mut self, view: &StepView<'_, D>, report: &StepReport<D>) {
-        self.compare_with(view.setup, &view.state.bodies, view.state.time);
+        let balances = report.bodies.iter().map(|body| body.balance.as_ref());
+        self.compare_with(view.setup, balances, view.state.time);
         let tolerance = view.setup.newton.tolerance;
         let of_bodies = report.bodies.iter().zip(&self.gravity_at_start).filter_map(|(body, at_start)| {
             let balance = body.balance.as_ref()?;
