@@ -24,13 +24,6 @@ pub trait Contributions: Sync {
     /// per dof of the item.
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem);
 
-    /// Adds the residual of all items at the state `x` to `out`, without regard to constraints and ties.
-    fn add_residual(&self, x: &[f64], out: &mut [f64]) {
-        for_each_residual(self, 0..self.len(), x, |_, dofs, residual| {
-            dofs.iter().zip(residual).for_each(|(dof, value)| out[dof.index()] += value);
-        });
-    }
-
     /// Returns whether the tangent does not depend on `x`. Such contributions are assembled once per nonlinear solve.
     fn is_linear(&self) -> bool {
         false
@@ -47,19 +40,23 @@ pub trait Contributions: Sync {
     fn name(&self) -> &'static str;
 }
 
-/// Calls `visit` with the number, the dofs and the residual of each item of a range at the state `x`.
-pub(crate) fn for_each_residual(
+/// Calls `visit` with the number, the dofs and the residual at the state `x` of each item of a range. Items whose dofs
+/// `selects` does not select are left out.
+pub fn for_each_residual(
     contributions: &(impl Contributions + ?Sized),
     items: Range<usize>,
     x: &[f64],
+    selects: impl Fn(&[DofId]) -> bool,
     mut visit: impl FnMut(usize, &[DofId], &[f64]),
 ) {
     let (mut dofs, mut local) = (Vec::new(), LocalSystem::new());
     for item in items {
         dofs.clear();
         contributions.dofs(item, &mut dofs);
-        local.reset_residual(dofs.len());
-        contributions.add(item, x, &mut local);
-        visit(item, &dofs, local.residual());
+        if selects(&dofs) {
+            local.reset_residual(dofs.len());
+            contributions.add(item, x, &mut local);
+            visit(item, &dofs, local.residual());
+        }
     }
 }

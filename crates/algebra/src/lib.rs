@@ -70,7 +70,7 @@ mod workspace;
 pub use block_system::{BlockSystem, ContributionTiming};
 pub use check::{TangentDeviation, check_tangent, worse, worst_tangent_entry};
 pub use constraints::Constraints;
-pub use contributions::Contributions;
+pub use contributions::{Contributions, for_each_residual};
 pub use forcing::Forcing;
 pub use integral::{Integral, Sites, Term};
 pub use layout::{BlockLayout, DofId, DofKey, FieldId};

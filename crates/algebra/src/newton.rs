@@ -2,8 +2,11 @@
 
 use std::time::Instant;
 
+use crate::contributions::for_each_residual;
 use crate::linear::{LinearError, LinearSolver};
-use crate::{BlockLayout, BlockSystem, Constraints, ContributionTiming, Contributions, Forcing, Tied, Workspace};
+use crate::{
+    BlockLayout, BlockSystem, Constraints, ContributionTiming, Contributions, DofId, Forcing, Tied, Workspace,
+};
 
 /// Number of successive growing corrections with exact tangents after which the iteration has diverged.
 const MAX_GROWTHS: usize = 5;
@@ -36,6 +39,30 @@ impl Equations<'_> {
     /// Returns a hash of the non-smooth state at `x`; see [`Contributions::regime`].
     pub fn regime(&self, x: &[f64]) -> u64 {
         self.contributions.iter().fold(0, |hash, contribution| hash.rotate_left(1) ^ contribution.regime(x))
+    }
+
+    /// Returns the residual at `x` of the equations of prescribed and tied dofs and of the masters of tied ones: the
+    /// reactions of the constraints. Other entries are zero. Only items with such dofs are evaluated.
+    ///
+    /// # Panics
+    /// A contribution or constraint names a dof outside of the layout.
+    pub fn reactions(&self, x: &[f64]) -> Vec<f64> {
+        let mut is_selected = vec![false; self.layout.len()];
+        self.constraints.iter().for_each(|(dof, _)| is_selected[dof.index()] = true);
+        for (dof, to) in self.constraints.ties() {
+            is_selected[dof.index()] = true;
+            to.iter().for_each(|(master, _)| is_selected[master.index()] = true);
+        }
+        let mut reactions = vec![0.0; self.layout.len()];
+        let selects = |dofs: &[DofId]| dofs.iter().any(|dof| is_selected[dof.index()]);
+        for terms in &self.contributions {
+            for_each_residual(terms.as_ref(), 0..terms.len(), x, selects, |_, dofs, residual| {
+                for (dof, value) in dofs.iter().zip(residual).filter(|(dof, _)| is_selected[dof.index()]) {
+                    reactions[dof.index()] += value;
+                }
+            });
+        }
+        reactions
     }
 }
 
@@ -81,6 +108,8 @@ pub struct NewtonReport {
     pub residual_history: Vec<f64>,
     /// `‖C⁻¹ dx‖ / s` of each correction before it is shortened, with the norms and the size `s` of [`newton`].
     pub correction_history: Vec<f64>,
+    /// Sum of the residuals of the solution times the solution, over the dofs without constraints.
+    pub residual_power: f64,
     /// Wall-clock time of pattern and assembly, s.
     pub seconds_assembly: f64,
     /// Share of the pattern in `seconds_assembly`.
@@ -351,6 +380,7 @@ impl Solve<'_> {
             let residual = ratio(residual, self.size(x));
             self.report.residual_history.push(residual);
             if may_stop && residual <= tolerance {
+                self.report.residual_power = self.system.residual().iter().zip(&*x).map(|(r, x)| r * x).sum();
                 return Ok(());
             }
             if self.report.iterations >= self.settings.max_iterations {

@@ -7,7 +7,7 @@ use body::{
 };
 use mesh::{BoundaryMesh, Point, Vector, require};
 
-use crate::energy::{balance, stresses};
+use crate::energy::{balance, momentum, stresses};
 use crate::supports::{Support, SupportKind, stop};
 use crate::terms::BodyForce;
 use crate::{Error, Load, SolidCells, SolidFacets, SolidForm, SolidMesh, SolidStress};
@@ -144,10 +144,9 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
     }
 
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>> {
-        let of = |velocity: &[Vector<D>]| balance(&self.solid, &self.form, state.displacement(), velocity);
-        let acceleration = &state.level.acceleration;
-        let momentum_rate = if acceleration.is_empty() { Vector::zeros() } else { of(acceleration).momentum };
-        Some(Balance { momentum_rate, ..of(state.velocity()) })
+        let (solid, form, acceleration) = (&self.solid, &self.form, &state.level.acceleration);
+        let momentum_rate = if acceleration.is_empty() { Vector::zeros() } else { momentum(solid, form, acceleration) };
+        Some(Balance { momentum_rate, ..balance(solid, form, state.displacement(), state.velocity()) })
     }
 
     fn variable_gravity(&self, time: f64) -> Vector<D> {

@@ -5,7 +5,20 @@ use mesh::{CellId, Point, Vector, VertexId};
 
 use crate::{MAX_CELL_NODES, SolidForm, SolidMesh};
 
-/// Computes the balance of a body from one displacement and one velocity per node.
+/// Computes the momentum of a body from one velocity per node, without the components that cancel over the whole body
+/// ([`mesh::Coordinates::resultant`]). From accelerations it is the rate of the momentum.
+pub fn momentum<const D: usize>(mesh: &SolidMesh<D>, form: &SolidForm<D>, velocity: &[Vector<D>]) -> Vector<D> {
+    let mut momentum = Vector::zeros();
+    for cell in mesh.mesh().cells() {
+        let (density, nodes) = (form.inertia.densities[mesh.group(cell)], mesh.cell(cell));
+        for (node, row) in nodes.iter().zip(mesh.mass(cell).chunks_exact(nodes.len())) {
+            momentum += velocity[node.index()] * (density * row.iter().sum::<f64>());
+        }
+    }
+    mesh.mesh().coordinates().resultant(momentum)
+}
+
+/// Computes the balance of a body from one displacement and one velocity per node. Its rate of momentum is zero.
 pub fn balance<const D: usize>(
     mesh: &SolidMesh<D>,
     form: &SolidForm<D>,

@@ -325,9 +325,10 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         self.time.weights.end(&self.start, &velocity)
     }
 
-    /// Returns the kinetic energy at the end of the step.
-    pub(crate) fn kinetic_energy(&self, layout: &BlockLayout, x: &[f64]) -> f64 {
-        self.products(&self.end(layout, x).velocity, &[]).0[0]
+    /// Returns the products of velocity and acceleration at the end of the step, on the geometry of the step.
+    pub(crate) fn products_at_end(&self, layout: &BlockLayout, x: &[f64]) -> KineticProducts {
+        let end = self.end(layout, x);
+        self.products(&end.velocity, &end.acceleration)
     }
 
     fn products(&self, velocity: &[Vector<D>], acceleration: &[Vector<D>]) -> KineticProducts {
@@ -335,15 +336,17 @@ impl<'a, const D: usize> FluidStep<'a, D> {
     }
 
     /// Returns the energy that the time scheme does not increase ([`algebra::time::Weights::of_energy`]), on the
-    /// geometry of the step: of the transferred fields, of the start and of the end. The first two differ only if the
-    /// acceleration at the start is unknown, as in the first step; it is then set to that at the end.
-    pub(crate) fn scheme_energies(&self, layout: &BlockLayout, x: &[f64]) -> [f64; 3] {
-        let (start, end) = (&self.start, self.end(layout, x));
-        let energy = |products: KineticProducts| products.scheme_energy(&self.time.weights);
-        let carried = energy(self.products(&start.velocity, &start.acceleration));
-        let starts = start.acceleration.is_empty() && !end.acceleration.is_empty();
-        let at_start = if starts { energy(self.products(&start.velocity, &end.acceleration)) } else { carried };
-        [carried, at_start, energy(self.products(&end.velocity, &end.acceleration))]
+    /// geometry of the step: of the transferred fields, and of the start.
+    ///
+    /// The two differ only if the acceleration at the start is unknown, as in the first step; it is then set to that at
+    /// the end.
+    pub(crate) fn scheme_energies(&self, layout: &BlockLayout, x: &[f64]) -> [f64; 2] {
+        let start = &self.start;
+        let energy =
+            |acceleration: &[Vector<D>]| self.products(&start.velocity, acceleration).scheme_energy(&self.time.weights);
+        let carried = energy(&start.acceleration);
+        let is_known = !start.acceleration.is_empty();
+        [carried, if is_known { carried } else { energy(&self.end(layout, x).acceleration) }]
     }
 
     /// Returns the fluid at the end of the step.

@@ -1,7 +1,7 @@
 //! The energy of a step, term by term.
 
 use algebra::time::Row;
-use algebra::{BlockLayout, Contributions, DofId, Integral, Term, power};
+use algebra::{BlockLayout, Contributions, Integral, Term, power};
 use body::{Balance, BodyState};
 use contact::ContactSites;
 use fluid_ns::{FluidCell, FluidCells, FluidFace, FluidFaces};
@@ -10,6 +10,7 @@ use interface_dg::interface_power;
 use crate::Problem;
 use crate::fluid_step::FluidStep;
 use crate::problem::{closed_pressure, contact_work, moved_pressure};
+use crate::state::KineticProducts;
 
 /// Energy removed by each part of the discrete problem in a step; negative if the part adds energy.
 ///
@@ -120,45 +121,47 @@ impl Ledger {
     }
 }
 
-impl<const D: usize> Problem<'_, D> {
-    /// Returns the residual of all equations at `x`. In equations that constraints replace it is the reaction.
-    pub(crate) fn residual(&self, x: &[f64]) -> Vec<f64> {
-        let mut residual = vec![0.0; self.step.layout.len()];
-        self.equations.contributions.iter().for_each(|terms| terms.add_residual(x, &mut residual));
-        residual
-    }
+/// Solution of a step, with the quantities from which its ledger is computed.
+#[derive(Clone, Copy)]
+pub(crate) struct Solution<'s, const D: usize> {
+    /// Values of the unknowns.
+    pub(crate) x: &'s [f64],
+    /// [`algebra::Equations::reactions`] at `x`.
+    pub(crate) reactions: &'s [f64],
+    /// [`algebra::NewtonReport::residual_power`].
+    pub(crate) residual_power: f64,
+    /// Bodies at the end.
+    pub(crate) ends: &'s [BodyState<D>],
+    /// Balances of each body at the start and at the end.
+    pub(crate) balances: &'s [[Option<Balance<D>>; 2]],
+    /// Products of the fluid at the end.
+    pub(crate) products: Option<KineticProducts>,
+    /// Energy stored in contacts at the end.
+    pub(crate) contact_energy: f64,
+}
 
-    /// Returns the ledger of a step. `x` is the solution, `residual` that of all equations at `x`, `ends` are the
-    /// bodies at the end, `balances` those of the bodies at the start and at the end; then follow the kinetic energy of
-    /// the fluid and the energy stored in contacts at the end.
-    pub(crate) fn ledger(
-        &self,
-        x: &[f64],
-        residual: &[f64],
-        ends: &[BodyState<D>],
-        balances: &[[Option<Balance<D>>; 2]],
-        [fluid_energy, contact_energy]: [f64; 2],
-    ) -> Ledger {
+impl<const D: usize> Problem<'_, D> {
+    /// Returns the ledger of a step.
+    pub(crate) fn ledger(&self, solution: &Solution<'_, D>) -> Ledger {
         let step = self.step;
+        let Solution { x, reactions, ends, balances, .. } = *solution;
         let (layout, dt, before) = (&step.layout, step.time.length, step.previous);
         let work = |terms: &dyn Contributions| dt * power(terms, x);
-        let total = dt * x.iter().zip(residual).map(|(x, r)| x * r).sum::<f64>();
-        let constrained = (0..layout.len()).filter(|&k| step.constraints.get(DofId::new(k)).is_some());
-        let mut by_ties: f64 = step.constraints.offsets().map(|(dof, x)| x * residual[dof.index()]).sum();
+        let mut of_constraints: f64 = step.constraints.iter().map(|(dof, x)| x * reactions[dof.index()]).sum();
+        of_constraints += step.constraints.offsets().map(|(dof, x)| x * reactions[dof.index()]).sum::<f64>();
         // Prescribed masters of a tied dof prescribe a part of its value.
         for (dof, to) in step.constraints.ties() {
-            let given = to.iter().filter(|(master, _)| step.constraints.get(*master).is_some());
-            by_ties += residual[dof.index()] * given.map(|(master, factor)| factor * x[master.index()]).sum::<f64>();
+            let given = to.iter().filter_map(|(master, factor)| Some(factor * step.constraints.get(*master)?));
+            of_constraints += reactions[dof.index()] * given.sum::<f64>();
         }
-        let mut ledger = Ledger {
-            given_velocities: -dt * (constrained.map(|k| x[k] * residual[k]).sum::<f64>() + by_ties),
-            ..Ledger::default()
-        };
+        let total = dt * (solution.residual_power + of_constraints);
+        let mut ledger = Ledger { given_velocities: -dt * of_constraints, ..Ledger::default() };
         let mut known = 0.0;
         if let (Some(fluid), Some(points)) = (&step.fluid, &self.interface) {
             known += fluid.set_ledger_lines(&mut ledger, layout, x);
-            let ([carried, start, end], change) =
-                (fluid.scheme_energies(layout, x), fluid_energy - before.fluid_energy());
+            let [carried, start] = fluid.scheme_energies(layout, x);
+            let end = solution.products.map_or(0.0, |products| products.scheme_energy(&step.time.weights));
+            let change = solution.products.map_or(0.0, |products| products.energy()) - before.fluid_energy();
             let transfer =
                 before.fluid.as_ref().map_or(0.0, |fluid| fluid.products.scheme_energy(&step.time.weights)) - carried;
             ledger.transfer = transfer;
@@ -214,9 +217,10 @@ impl<const D: usize> Problem<'_, D> {
         let by_collisions: f64 = step.collisions.iter().flatten().map(|collision| collision.given_power(x)).sum();
         let by_given_motion =
             dt * (by_collisions + self.contacts.iter().map(|sites| sites.given_power(x)).sum::<f64>());
-        ledger.contact = contact + by_given_motion - (contact_energy - contact_before);
+        let contact_change = solution.contact_energy - contact_before;
+        ledger.contact = contact + by_given_motion - contact_change;
         ledger.given_velocities -= by_given_motion;
-        ledger.change += contact_energy - contact_before;
+        ledger.change += contact_change;
         known += contact;
         let closed: f64 = self.closed.iter().map(|(_, points)| work(&closed_pressure(points.clone()))).sum();
         ledger.loads += closed;

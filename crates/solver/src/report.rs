@@ -9,7 +9,9 @@ use interface_dg::{InterfaceFlow, InterfaceTraction, Pocket, interface_flow, int
 use mesh::{BodyId, Coordinates, Point, Vector};
 
 use crate::fluid_step::FluidStep;
+use crate::ledger::Solution;
 use crate::setup::Contact;
+use crate::state::KineticProducts;
 use crate::{Error, Ledger, Problem, Setup, SideForce, Step, StepSeconds, Substep};
 
 /// Forces on a movable body at the stage of a step. Inertia is the sum of the others, up to the error of the nonlinear
@@ -133,17 +135,18 @@ impl<const D: usize> Problem<'_, D> {
         newton: NewtonReport,
     ) -> StepReport<D> {
         let step = self.step;
-        let residual = self.residual(x);
+        let reactions = self.equations.reactions(x);
+        let products = step.fluid.as_ref().map(|fluid| fluid.products_at_end(&step.layout, x));
         let fluid = step.fluid.as_ref().zip(self.interface.as_ref()).map(|(fluid, interface)| FluidReport {
             cut: fluid.cut.report().clone(),
             volume: fluid.cut.all_parts().map(|part| fluid.parts.moments(part).volume()).sum(),
-            kinetic_energy: fluid.kinetic_energy(&step.layout, x),
+            kinetic_energy: products.as_ref().map_or(0.0, KineticProducts::energy),
             flow: interface_flow(interface, x),
             tractions: interface_tractions(interface, &fluid.mortar.penalty, x),
-            side_forces: fluid.side_forces(&step.layout, x, &residual),
+            side_forces: fluid.side_forces(&step.layout, x, &reactions),
             n_uncovered: fluid.sources.n_uncovered(),
             n_pockets: step.pockets.len(),
-            pocket_source: step.pocket_source(fluid, &residual),
+            pocket_source: step.pocket_source(fluid, &reactions),
             inflow_energy: fluid.inflow_energy(&step.layout, x),
         });
         let positions = |id: BodyId| ends[id.index()].positions(step.setup.bodies[id.index()].reference());
@@ -160,11 +163,18 @@ impl<const D: usize> Problem<'_, D> {
             report.powers.iter_mut().zip(collision.powers(x)).for_each(|(power, of)| *power += of);
             report.n_active = report.n_active.max(collision.n_active());
         }
-        let fluid_energy = fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy);
         let contact_energy = contacts.iter().map(|contact: &ContactReport<D>| contact.stored_energy).sum();
         let states = step.setup.bodies.iter().zip(step.previous.bodies.iter().zip(ends));
         let balances: Vec<_> = states.map(|(body, (start, end))| [body.balance(start), body.balance(end)]).collect();
-        let ledger = self.ledger(x, &residual, ends, &balances, [fluid_energy, contact_energy]);
+        let ledger = self.ledger(&Solution {
+            x,
+            reactions: &reactions,
+            residual_power: newton.residual_power,
+            ends,
+            balances: &balances,
+            products,
+            contact_energy,
+        });
         let reports = ends.iter().zip(balances).enumerate();
         let mut bodies: Vec<_> = reports.map(|(b, (end, balances))| body_report(step, b, end, balances)).collect();
         for (body, points) in &self.closed {
@@ -187,10 +197,10 @@ impl<const D: usize> Step<'_, D> {
     /// Returns the largest source of a pocket relative to its volume. The source is the residual of the equation of the
     /// dof whose pressure the pocket prescribes. All other such equations of its parts hold, so that this residual is
     /// the net flow into the pocket.
-    fn pocket_source(&self, fluid: &FluidStep<'_, D>, residual: &[f64]) -> f64 {
+    fn pocket_source(&self, fluid: &FluidStep<'_, D>, reactions: &[f64]) -> f64 {
         let source = |pocket: &Pocket| {
             let volume: f64 = pocket.parts.iter().map(|part| fluid.parts.moments(*part).volume()).sum();
-            residual[self.layout.dof(fluid.pressure, pocket.dof as usize, 0).index()] / volume
+            reactions[self.layout.dof(fluid.pressure, pocket.dof as usize, 0).index()] / volume
         };
         let larger = |most: f64, source: f64| if source.abs() > most.abs() { source } else { most };
         self.pockets.iter().map(source).fold(0.0, larger)

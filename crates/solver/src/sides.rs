@@ -39,7 +39,7 @@ impl<const D: usize> FluidStep<'_, D> {
     /// At a dof with a constrained velocity, the residual of its equation is the reaction of the side: its traction
     /// times the shape function, integrated. Reactions balance all other forces. At a dof that several sides have in
     /// common, the force on each is the integral of the stress on it plus an equal share of the rest of the reaction.
-    pub(crate) fn side_forces(&self, layout: &BlockLayout, x: &[f64], residual: &[f64]) -> Vec<SideForce<D>> {
+    pub(crate) fn side_forces(&self, layout: &BlockLayout, x: &[f64], reactions: &[f64]) -> Vec<SideForce<D>> {
         let background = &self.setup.background;
         let sides = &self.setup.boundary;
         let mut of_dofs: BTreeMap<u32, Vec<(usize, Vector<D>)>> = BTreeMap::new();
@@ -50,7 +50,7 @@ impl<const D: usize> FluidStep<'_, D> {
         }
         let mut forces = vec![SideForce::zero(); sides.len()];
         for (dof, of_sides) in of_dofs {
-            let reaction: Vector<D> = self.fields(layout).velocity_at(residual, dof);
+            let reaction: Vector<D> = self.fields(layout).velocity_at(reactions, dof);
             let known: Vector<D> = of_sides.iter().map(|(_, traction)| traction).sum();
             let rest = (reaction - known) / of_sides.len() as f64;
             let place = background.vertex(self.space.vertex(dof));

@@ -102,7 +102,7 @@ impl<const D: usize> State<D> {
 
     /// Returns the kinetic energy of the fluid.
     pub fn fluid_energy(&self) -> f64 {
-        self.fluid.as_ref().map_or(0.0, |fluid| fluid.products.0[0])
+        self.fluid.as_ref().map_or(0.0, |fluid| fluid.products.energy())
     }
 
     /// Returns the time after one more step of length `dt`, or the multiple of `dt` that equals it within round-off.
@@ -159,6 +159,11 @@ impl KineticProducts {
             }
         }
         Self([0.5 * density * sums[0], density * sums[1], 0.5 * density * sums[2]])
+    }
+
+    /// Returns the kinetic energy.
+    pub(crate) fn energy(&self) -> f64 {
+        self.0[0]
     }
 
     /// Returns the products with an acceleration of zero.

@@ -23,9 +23,15 @@ pub fn powers(
     const ITEMS: usize = 2048;
     let of_chunk = |chunk: usize| {
         let (mut sums, items) = ([0.0; 2], chunk * ITEMS..contributions.len().min((chunk + 1) * ITEMS));
-        for_each_residual(contributions, items, x, |item, dofs, residual| {
-            sums[class(item)] += dofs.iter().zip(residual).map(|(dof, value)| x[dof.index()] * value).sum::<f64>();
-        });
+        for_each_residual(
+            contributions,
+            items,
+            x,
+            |_| true,
+            |item, dofs, residual| {
+                sums[class(item)] += dofs.iter().zip(residual).map(|(dof, value)| x[dof.index()] * value).sum::<f64>();
+            },
+        );
         sums
     };
     let sums: Vec<_> = (0..contributions.len().div_ceil(ITEMS)).into_par_iter().map(of_chunk).collect();

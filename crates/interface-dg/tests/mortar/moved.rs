@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use algebra::time::Affine;
-use algebra::{BlockLayout, Contributions, DofId, FieldId, Integral, worst_tangent_entry};
+use algebra::{BlockLayout, Contributions, DofId, FieldId, Integral, for_each_residual, worst_tangent_entry};
 use body::{ByDof, SurfaceMotion, SurfaceStress, SurfaceVelocity};
 use cutcell::{CutMesh, OverlayOptions};
 use fluid_ns::{FluidFields, FluidGeometry};
@@ -143,7 +143,15 @@ fn forces<const D: usize>(
     x: &[f64],
 ) -> Vec<Vector<D>> {
     let mut residual = vec![0.0; layout.len()];
-    terms.add_residual(x, &mut residual);
+    for_each_residual(
+        terms,
+        0..terms.len(),
+        x,
+        |_| true,
+        |_, dofs, values| {
+            dofs.iter().zip(values).for_each(|(dof, value)| residual[dof.index()] += value);
+        },
+    );
     layout.values(field, &residual).map(Vector::<D>::from).collect()
 }
 
