@@ -38,8 +38,8 @@ pub trait Sites: Sync {
 /// Terms summed over sites: the [`Contributions`] of a weak form.
 pub struct Integral<'a, S: Sites> {
     name: &'static str,
-    sites: S,
-    terms: Vec<&'a dyn Term<S::Site>>,
+    pub(crate) sites: S,
+    pub(crate) terms: Vec<&'a dyn Term<S::Site>>,
     is_linear: bool,
 }
 

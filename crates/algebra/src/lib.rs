@@ -83,6 +83,6 @@ pub use local_system::LocalSystem;
 pub use newton::{Equations, NewtonError, NewtonReport, NewtonSettings, newton};
 pub use pattern::Pattern;
 pub use regime::RegimeHash;
-pub use scatter::{power, powers};
+pub use scatter::power;
 pub use tied::Tied;
 pub use workspace::Workspace;

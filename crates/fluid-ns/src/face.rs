@@ -1,6 +1,6 @@
 //! Faces between fluid parts with the local data that penalties evaluate.
 
-use algebra::{Contributions, DofId, LocalSystem, powers};
+use algebra::{Contributions, DofId, LocalSystem};
 use cutcell::PartId;
 use mesh::{Vector, mean};
 use xfem_space::FaceValue;
@@ -82,23 +82,14 @@ impl<'a, const D: usize> FluidFaces<'a, D> {
 
     /// Sets the body force, which acts in the jumps of the pressure on planes of symmetry.
     pub fn with_force(mut self, force: Option<&BodyForce<'_, D>>) -> Self {
-        let Some(BodyForce { force, time }) = force else { return self };
-        let jump = |value: &FaceValue<D>| {
-            let middle = || mean(&self.geometry.background.facet_points(value.facet)[..D]);
-            value.odd.map_or(0.0, |_| 2.0 * force(&middle(), *time).dot(&value.normal))
-        };
-        self.jumps_of_force = self.geometry.faces.iter().map(jump).collect();
+        let Some(force) = force else { return self };
+        self.jumps_of_force =
+            self.geometry.faces.iter().map(|value| jump_of_force(self.geometry, value, force)).collect();
         self
     }
 }
 
 impl<const D: usize> FluidFaces<'_, D> {
-    /// Returns the powers `c_F |[∇u]n|²_F` and `c_F ([∇p - f]n, [∇p]n)_F` of the penalties of velocity and pressure,
-    /// with the force `f` on planes of symmetry only.
-    pub fn powers(&self, x: &[f64]) -> [f64; 2] {
-        powers(self, x, |item| usize::from(item % (D + 1) == D))
-    }
-
     /// Returns the normal of a face on a plane of symmetry that is not along an axis. The first item of such a face has
     /// all components of the velocity, the others have none.
     fn oblique(&self, face: usize) -> Option<Vector<D>> {
@@ -186,4 +177,41 @@ impl<const D: usize> Contributions for FluidFaces<'_, D> {
     fn is_linear(&self) -> bool {
         true
     }
+}
+
+/// Returns the jump `2 f·n` of a body force on a face of a plane of symmetry; zero on other faces.
+fn jump_of_force<const D: usize>(
+    geometry: FluidGeometry<'_, D>,
+    value: &FaceValue<D>,
+    force: &BodyForce<'_, D>,
+) -> f64 {
+    let middle = || mean(&geometry.background.facet_points(value.facet)[..D]);
+    value.odd.map_or(0.0, |_| 2.0 * (force.force)(&middle(), force.time).dot(&value.normal))
+}
+
+/// Returns the powers of [`FluidFaces`] at the state `x` for three weights `c_F`: `Σ c_F |[∇u]n|²_F` for the first two,
+/// and `Σ c_F ([∇p - f]n, [∇p]n)_F` for the last one. The jumps are evaluated once for all weights.
+pub fn face_powers<const D: usize>(
+    geometry: FluidGeometry<'_, D>,
+    fields: FluidFields<'_>,
+    force: Option<&BodyForce<'_, D>>,
+    x: &[f64],
+    weights: impl Fn(&FluidFace<'_, D>) -> [f64; 3],
+) -> [f64; 3] {
+    let mut powers = [0.0; 3];
+    for value in geometry.faces {
+        let (mut of_velocity, mut of_pressure) = (Vector::<D>::zeros(), 0.0);
+        for (&dof, jump) in value.dofs().iter().zip(value.jumps()) {
+            of_velocity += fields.velocity_at::<D>(x, dof) * *jump;
+            of_pressure += fields.pressure_at(x, dof) * jump;
+        }
+        let along = of_velocity.dot(&(value.along_plane() * of_velocity));
+        let of_force = force.map_or(0.0, |force| jump_of_force(geometry, value, force));
+        let products = [along, along, of_pressure * (of_pressure - of_force)];
+        let weights = weights(&FluidFace::new(value, geometry.known_velocity, geometry.films));
+        for ((power, weight), product) in powers.iter_mut().zip(weights).zip(products) {
+            *power += weight * value.weight * value.share * product;
+        }
+    }
+    powers
 }

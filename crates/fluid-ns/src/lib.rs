@@ -39,7 +39,7 @@ mod open_boundary;
 pub mod terms;
 
 pub use cell::{FluidCell, FluidCells};
-pub use face::{FluidFace, FluidFaces};
+pub use face::{FluidFace, FluidFaces, face_powers};
 pub use film::{FilmPart, FilmSurfaces, FilmValues, LastPiece};
 pub use fluid::NewtonianFluid;
 pub use form::FluidForm;

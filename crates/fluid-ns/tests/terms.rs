@@ -9,7 +9,9 @@ use fluid_ns::terms::{
     Backflow, BodyForce, CipPressure, CipProfile, CipVelocity, Convection, GhostPenalty, Incompressibility, Inertia,
     Traction, Viscous,
 };
-use fluid_ns::{FluidCell, FluidCells, FluidFace, FluidFaces, FluidFields, FluidForm, FluidGeometry, OpenBoundary};
+use fluid_ns::{
+    FluidCell, FluidCells, FluidFace, FluidFaces, FluidFields, FluidForm, FluidGeometry, OpenBoundary, face_powers,
+};
 use mesh::generate::structured_box;
 use mesh::{Placed, Point, SimplexMesh, Tensor, Vector, VertexId};
 use xfem_space::{FaceValue, PartValues, XfemSpace, boundary_points, face_values};
@@ -207,8 +209,13 @@ fn a_face_penalises_the_jump_over_its_whole_length() {
     // Powers of u = (2, 3) and p = 5 at the vertex.
     let mut x = vec![0.0; 12];
     (x[2 * fluid.dof(1)], x[2 * fluid.dof(1) + 1], x[8 + fluid.dof(1)]) = (2.0, 3.0, 5.0);
-    let [velocity, pressure] = faces.powers(&x);
+    let weights = |face: &FluidFace<'_, 2>| {
+        let [velocity, pressure] = form.face_weights(face);
+        [velocity, 0.5 * velocity, pressure]
+    };
+    let [velocity, half, pressure] = face_powers(fluid.geometry(), fluid.fields(), None, &x, weights);
     assert!((velocity - c_velocity * length * 2.0 * 13.0).abs() < 1e-12, "{velocity}");
+    assert!((half - 0.5 * velocity).abs() < 1e-12, "{half} {velocity}");
     assert!((pressure - c_pressure * length * 2.0 * 25.0).abs() < 1e-12, "{pressure}");
 }
 

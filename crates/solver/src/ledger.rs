@@ -4,7 +4,7 @@ use algebra::time::Row;
 use algebra::{BlockLayout, Contributions, Integral, Term, power};
 use body::{Balance, BodyState};
 use contact::ContactSites;
-use fluid_ns::{FluidCell, FluidCells, FluidFace, FluidFaces};
+use fluid_ns::{FluidCell, FluidCells, FluidFace, face_powers};
 use interface_dg::interface_power;
 
 use crate::Problem;
@@ -234,28 +234,54 @@ impl<const D: usize> FluidStep<'_, D> {
     /// Sets the lines of the fluid's terms; returns their sum.
     fn set_ledger_lines(&self, ledger: &mut Ledger, layout: &BlockLayout, x: &[f64]) -> f64 {
         let (geometry, fields, form, dt) = (self.geometry(), self.fields(layout), &self.form, self.time.length);
-        let cells = |term| dt * power(&Integral::linear("one term", FluidCells::new(geometry, fields), vec![term]), x);
-        let of_cip = |face: &FluidFace<'_, D>| [form.cip_velocity.weight(face), form.cip_pressure.weight(face)];
-        let of_ghost = |face: &FluidFace<'_, D>| [form.ghost_penalty.weight(face), 0.0];
-        ledger.fluid_scheme = form.inertia.as_ref().map_or(0.0, |term| cells(term as &dyn Term<FluidCell<'_, D>>));
-        ledger.viscosity = cells(&form.viscous);
-        ledger.convection = form.convection.as_ref().map_or(0.0, |term| cells(term));
-        ledger.fluid_force = form.body_force.as_ref().map_or(0.0, |term| cells(term));
-        ledger.film = form.film.as_ref().map_or(0.0, |term| cells(term));
-        ledger.cavitation = form.cavitation.as_ref().map_or(0.0, |term| cells(term));
-        let cip = FluidFaces::new(geometry, fields, of_cip).with_force(form.body_force.as_ref());
-        [ledger.cip_velocity, ledger.cip_pressure] = cip.powers(x).map(|power| dt * power);
-        ledger.ghost_penalty = dt * FluidFaces::new(geometry, fields, of_ghost).powers(x)[0];
+        let terms: [Option<&dyn Term<FluidCell<'_, D>>>; 6] = [
+            form.inertia.as_ref().map(|term| term as _),
+            Some(&form.viscous),
+            form.convection.as_ref().map(|term| term as _),
+            form.body_force.as_ref().map(|term| term as _),
+            form.film.as_ref().map(|term| term as _),
+            form.cavitation.as_ref().map(|term| term as _),
+        ];
+        let cells = FluidCells::new(geometry, fields);
+        let powers = Integral::linear("cells", cells, terms.iter().flatten().copied().collect()).powers(x);
+        let mut powers = powers.into_iter();
+        let of_terms = terms.map(|term| term.map_or(0.0, |_| dt * powers.next().unwrap_or_default()));
+        [
+            ledger.fluid_scheme,
+            ledger.viscosity,
+            ledger.convection,
+            ledger.fluid_force,
+            ledger.film,
+            ledger.cavitation,
+        ] = of_terms;
+        let terms: [Option<&dyn Term<FluidCell<'_, D>>>; 6] = [
+            form.inertia.as_ref().map(|term| term as _),
+            Some(&form.viscous),
+            form.convection.as_ref().map(|term| term as _),
+            form.body_force.as_ref().map(|term| term as _),
+            form.film.as_ref().map(|term| term as _),
+            form.cavitation.as_ref().map(|term| term as _),
+        ];
+        let cells = FluidCells::new(geometry, fields);
+        let powers = Integral::linear("cells", cells, terms.iter().flatten().copied().collect()).powers(x);
+        let mut powers = powers.into_iter();
+        let of_terms = terms.map(|term| term.map_or(0.0, |_| dt * powers.next().unwrap_or_default()));
+        [
+            ledger.fluid_scheme,
+            ledger.viscosity,
+            ledger.convection,
+            ledger.fluid_force,
+            ledger.film,
+            ledger.cavitation,
+        ] = of_terms;
+        let weights = |face: &FluidFace<'_, D>| {
+            [form.cip_velocity.weight(face), form.ghost_penalty.weight(face), form.cip_pressure.weight(face)]
+        };
+        let of_faces = face_powers(geometry, fields, form.body_force.as_ref(), x, weights).map(|power| dt * power);
+        [ledger.cip_velocity, ledger.ghost_penalty, ledger.cip_pressure] = of_faces;
         let open = self.open_terms(layout).iter().map(|terms| dt * power(terms.as_ref(), x)).sum::<f64>();
         ledger.backflow = dt * self.backflow_power(layout, x);
         ledger.open_boundary = open - ledger.backflow;
-        let of_faces = ledger.cip_velocity + ledger.ghost_penalty + ledger.cip_pressure;
-        let of_cells = ledger.fluid_scheme
-            + ledger.viscosity
-            + ledger.convection
-            + ledger.fluid_force
-            + ledger.film
-            + ledger.cavitation;
-        of_cells + of_faces + open
+        of_terms.iter().chain(&of_faces).sum::<f64>() + open
     }
 }

@@ -5,7 +5,7 @@ mod power;
 mod stripes;
 
 pub(crate) use affine::AffineSum;
-pub use power::{power, powers};
+pub use power::power;
 pub(crate) use stripes::Stripes;
 
 use std::ops::Range;
