@@ -97,20 +97,18 @@ impl<const D: usize> SolidCells<'_, D> {
         self.layout.at(self.velocity, node.index(), x).into()
     }
 
-    /// Returns the values of an affine function of the velocity at nodes, for the state `x`; entries beyond the nodes
-    /// are zero.
-    #[inline(always)]
-    pub(crate) fn at_nodes(
+    /// Writes the values of an affine function of the velocity at nodes, for the state `x`, to `local`.
+    #[inline]
+    pub(crate) fn set_at_nodes(
         &self,
         affine: &Affine<Vector<D>>,
         nodes: &[VertexId],
         x: &[f64],
-    ) -> [Vector<D>; MAX_CELL_NODES] {
-        let mut local = [Vector::zeros(); MAX_CELL_NODES];
+        local: &mut [Vector<D>; MAX_CELL_NODES],
+    ) {
         for (slot, node) in local.iter_mut().zip(nodes) {
             *slot = affine.at(node.index(), self.velocity_at(*node, x));
         }
-        local
     }
 }
 
@@ -128,13 +126,16 @@ impl<'a, const D: usize> Sites for SolidCells<'a, D> {
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         let (cell, acceleration) = (CellId::new(item), &self.rule.acceleration);
         let nodes = self.solid.cell(cell);
-        visit(&SolidCell {
+        // The accelerations are written in place: copies of the array cost as much as the term.
+        let mut site = SolidCell {
             group: self.solid.group(cell),
             n_nodes: nodes.len(),
             mass: self.solid.mass(cell),
-            acceleration: self.at_nodes(acceleration, nodes, x),
+            acceleration: [Vector::zeros(); MAX_CELL_NODES],
             acceleration_slope: acceleration.slope,
-        });
+        };
+        self.set_at_nodes(acceleration, nodes, x, &mut site.acceleration);
+        visit(&site);
     }
 }
 
@@ -151,7 +152,8 @@ impl<'a, const D: usize> Sites for SolidPoints<'a, D> {
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         let (cell, rule) = (CellId::new(item), &self.cells.rule.displacement);
-        let displacement = self.cells.at_nodes(rule, self.cells.solid.cell(cell), x);
+        let mut displacement = [Vector::zeros(); MAX_CELL_NODES];
+        self.cells.set_at_nodes(rule, self.cells.solid.cell(cell), x, &mut displacement);
         let group = self.cells.solid.group(cell);
         for point in self.cells.solid.points(cell) {
             let CellPoint { weight, gradients, hoop } = point;

@@ -66,7 +66,8 @@ impl<const D: usize> Sites for SolidFacets<'_, D> {
         let SolidCells { solid, rule, .. } = self.cells;
         let coordinates = solid.mesh().coordinates();
         let nodes = solid.boundary().nodes(self.facets[item]);
-        let displacement = self.cells.at_nodes(&rule.displacement, nodes, x);
+        let mut displacement = [Vector::zeros(); MAX_CELL_NODES];
+        self.cells.set_at_nodes(&rule.displacement, nodes, x, &mut displacement);
         let mut reference = [Point::zeros(); MAX_CELL_NODES];
         reference.iter_mut().zip(nodes).for_each(|(slot, node)| *slot = solid.nodes()[node.index()]);
         let reference = &reference[..nodes.len()];

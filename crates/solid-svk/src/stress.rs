@@ -6,7 +6,7 @@ use algebra::{DofId, Sites};
 use body::{ByDof, SurfaceStress};
 use mesh::{CellId, FacetId, Point, Tensor, Vector, VertexId};
 
-use crate::{Material, SolidCells};
+use crate::{MAX_CELL_NODES, Material, SolidCells};
 
 /// Traction of the cell behind a facet, `P N |F̂|/|F|`: the nominal traction `P N`, converted from the measure `|F̂|`
 /// of the facet in the reference state to its measure `|F|` at given positions. At the current positions it is `σ n`.
@@ -40,7 +40,8 @@ impl<const D: usize> SolidStress<'_, D> {
     fn traction(&self, facet: FacetId, cell: CellId, x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         let SolidCells { solid, rule, layout, velocity } = self.cells;
         let (nodes, point) = (solid.cell(cell), solid.surface_point(facet));
-        let displacement = self.cells.at_nodes(&rule.displacement, nodes, x);
+        let mut displacement = [Vector::zeros(); MAX_CELL_NODES];
+        self.cells.set_at_nodes(&rule.displacement, nodes, x, &mut displacement);
         let deformation = point.deformation(&displacement[..nodes.len()]);
         let normal = solid.placed(solid.nodes()).facet_normal(facet);
         let measure = |positions| solid.placed(positions).weighted_measure(facet);
