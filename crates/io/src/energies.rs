@@ -17,8 +17,8 @@ pub(crate) struct Energies {
     /// Sum over the bodies of the weight times the largest extent, at its largest so far. It bounds the errors of
     /// bodies at rest, whose energies may be zero.
     of_weights: f64,
-    /// Largest body force on the fluid so far times its volume and the largest extent of the background. Residuals and
-    /// pressures have errors relative to it, also if the fluid is at rest.
+    /// Largest body force on the fluid so far times its volume and the largest extent of the background. It bounds the
+    /// errors of fluid at rest.
     of_fluid: f64,
     /// Whether the time scheme has inertia. Without it the energy of a state is not that of the equations.
     has_inertia: bool,
@@ -83,8 +83,10 @@ impl Energies {
         }
     }
 
-    /// Adds the step that ends at the state of a view. Gains below the tolerance of Newton's method times the energies
-    /// of weights and of body forces are not counted.
+    /// Adds the step that ends at the state of a view.
+    ///
+    /// Gains below the tolerance of Newton's method times the energies of weights are not counted, and gains below
+    /// twice the defect of the ledger, which are errors of the nonlinear solve.
     pub(crate) fn add<const D: usize>(&mut self, view: &StepView<'_, D>, report: &StepReport<D>) {
         let balances = report.bodies.iter().map(|body| body.balance.as_ref());
         self.compare_with(view.setup, balances, view.state.time);
@@ -111,9 +113,9 @@ impl Energies {
         self.dissipated += (-gain).max(0.0);
         self.is_undefined |= !(gain.is_finite() && defect.is_finite());
         self.largest_defect = self.largest_defect.max(defect);
-        if gain > f64::EPSILON * self.of_fluid {
+        if gain > 2.0 * defect {
             self.largest_gain = self.largest_gain.max(gain);
-            self.generated += if gain > tolerance * (self.of_weights + self.of_fluid) { gain } else { 0.0 };
+            self.generated += if gain > tolerance * self.of_weights { gain } else { 0.0 };
         }
     }
 
