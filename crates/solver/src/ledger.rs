@@ -234,46 +234,19 @@ impl<const D: usize> FluidStep<'_, D> {
     /// Sets the lines of the fluid's terms; returns their sum.
     fn set_ledger_lines(&self, ledger: &mut Ledger, layout: &BlockLayout, x: &[f64]) -> f64 {
         let (geometry, fields, form, dt) = (self.geometry(), self.fields(layout), &self.form, self.time.length);
-        let terms: [Option<&dyn Term<FluidCell<'_, D>>>; 6] = [
-            form.inertia.as_ref().map(|term| term as _),
-            Some(&form.viscous),
-            form.convection.as_ref().map(|term| term as _),
-            form.body_force.as_ref().map(|term| term as _),
-            form.film.as_ref().map(|term| term as _),
-            form.cavitation.as_ref().map(|term| term as _),
-        ];
-        let cells = FluidCells::new(geometry, fields);
-        let powers = Integral::linear("cells", cells, terms.iter().flatten().copied().collect()).powers(x);
-        let mut powers = powers.into_iter();
-        let of_terms = terms.map(|term| term.map_or(0.0, |_| dt * powers.next().unwrap_or_default()));
-        [
-            ledger.fluid_scheme,
-            ledger.viscosity,
-            ledger.convection,
-            ledger.fluid_force,
-            ledger.film,
-            ledger.cavitation,
-        ] = of_terms;
-        let terms: [Option<&dyn Term<FluidCell<'_, D>>>; 6] = [
-            form.inertia.as_ref().map(|term| term as _),
-            Some(&form.viscous),
-            form.convection.as_ref().map(|term| term as _),
-            form.body_force.as_ref().map(|term| term as _),
-            form.film.as_ref().map(|term| term as _),
-            form.cavitation.as_ref().map(|term| term as _),
-        ];
-        let cells = FluidCells::new(geometry, fields);
-        let powers = Integral::linear("cells", cells, terms.iter().flatten().copied().collect()).powers(x);
-        let mut powers = powers.into_iter();
-        let of_terms = terms.map(|term| term.map_or(0.0, |_| dt * powers.next().unwrap_or_default()));
-        [
-            ledger.fluid_scheme,
-            ledger.viscosity,
-            ledger.convection,
-            ledger.fluid_force,
-            ledger.film,
-            ledger.cavitation,
-        ] = of_terms;
+        let mut of_cells: Vec<(&dyn Term<FluidCell<'_, D>>, &mut f64)> = vec![(&form.viscous, &mut ledger.viscosity)];
+        of_cells.extend(form.inertia.as_ref().map(|term| (term as _, &mut ledger.fluid_scheme)));
+        of_cells.extend(form.convection.as_ref().map(|term| (term as _, &mut ledger.convection)));
+        of_cells.extend(form.body_force.as_ref().map(|term| (term as _, &mut ledger.fluid_force)));
+        of_cells.extend(form.film.as_ref().map(|term| (term as _, &mut ledger.film)));
+        of_cells.extend(form.cavitation.as_ref().map(|term| (term as _, &mut ledger.cavitation)));
+        let (terms, lines): (Vec<_>, Vec<_>) = of_cells.into_iter().unzip();
+        let powers = Integral::linear("cells", FluidCells::new(geometry, fields), terms).powers(x);
+        let mut known = 0.0;
+        for (line, power) in lines.into_iter().zip(powers) {
+            *line = dt * power;
+            known += *line;
+        }
         let weights = |face: &FluidFace<'_, D>| {
             [form.cip_velocity.weight(face), form.ghost_penalty.weight(face), form.cip_pressure.weight(face)]
         };
@@ -282,6 +255,6 @@ impl<const D: usize> FluidStep<'_, D> {
         let open = self.open_terms(layout).iter().map(|terms| dt * power(terms.as_ref(), x)).sum::<f64>();
         ledger.backflow = dt * self.backflow_power(layout, x);
         ledger.open_boundary = open - ledger.backflow;
-        of_terms.iter().chain(&of_faces).sum::<f64>() + open
+        known + of_faces.iter().sum::<f64>() + open
     }
 }
