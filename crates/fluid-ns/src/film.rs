@@ -13,8 +13,8 @@ use crate::film_layer::{Layers, extent};
 /// A point is in front of a facet if the scalar product of the unit normal and the direction from the closest point of
 /// the facet to the point is at least this value: they enclose less than 60 degrees.
 pub(crate) const FRONT: f64 = 0.5;
-/// Ratio of distances that are taken as equal.
-const SAME_DISTANCE: f64 = 1.0 + 1e-9;
+/// Difference of distances that are taken as equal, relative to the largest coordinate: a few roundings.
+const SAME_DISTANCE: f64 = 16.0 * f64::EPSILON;
 /// Gaps in extents of the cell across the film: up to the first the share `χ` is one, from the second on zero, linear
 /// between. Two layers of cells carry 3/4 of the flux of a film, four layers 15/16.
 pub(crate) const RAMP: [f64; 2] = [2.0, 4.0];
@@ -96,7 +96,8 @@ impl<const D: usize> FilmSurfaces<D> {
         let is_closer = |a: &&FilmFoot<D>, b: &&FilmFoot<D>| a.distance.total_cmp(&b.distance);
         let least = in_front.iter().min_by(is_closer)?.distance;
         // At an edge of a body facets on both sides of it have the same foot.
-        let pairs = in_front.iter().filter(|foot| foot.distance <= least * SAME_DISTANCE).filter_map(|here| {
+        let nearest = least + SAME_DISTANCE * x.amax();
+        let pairs = in_front.iter().filter(|foot| foot.distance <= nearest).filter_map(|here| {
             let facing = in_front.iter().filter(|foot| are_opposite(&foot.normal, &here.normal));
             Some([*here, *facing.min_by(is_closer)?])
         });

@@ -29,6 +29,11 @@ const LEAST_SLOPE: f64 = 0.2;
 const REACH: f64 = 2.0;
 const STEP: f64 = 0.125;
 const LEAST_STEP: f64 = 1e-3;
+/// Cosine of the angle between the directions of two edges above which they enclose a corner: 75 degrees. Corners of
+/// regular polygons with more than four sides, at most 72 degrees, are parts of a rounded edge.
+const CORNER: f64 = 0.26;
+/// Ratio of the gaps at two points of the search, one step apart, beyond which they are not in one film.
+const WIDENS: f64 = 2.0;
 /// Distance from a facet, relative to the diameter of a cell, below which it is taken as zero.
 const NEGLIGIBLE: f64 = 1e-9;
 /// Smallest difference of the values of a linear function at two vertices in [`fraction_of_simplex`], relative to the
@@ -64,7 +69,7 @@ impl<const D: usize> FilmValues<D> {
     /// - If the discrete pressure does not fall to that of open fluid before the edge, the film covers only a fraction
     ///   of the length in which it falls. The conductance is also divided by the fraction.
     /// - A part with the edge in it conducts before the edge only.
-    /// - At a corner, where edges in two directions enclose more than 60° and are both near, the lengths of both are
+    /// - At a corner, where edges in two directions enclose more than 75° and are both near, the lengths of both are
     ///   added. The pressure there is like the product of the distances from the edges, so that the mean flux across an
     ///   edge is half of that of a linear pressure.
     /// - A part with vertices in open fluid behind both ends of a short film has the length between the ends, with
@@ -116,11 +121,11 @@ impl<const D: usize> FilmValues<D> {
                 let share = |i: usize| -from_edge(&simplex.points()[i]) * parts.gradients(part)[i].dot(&end.outwards);
                 let mut fall: f64 = (0..=D).filter(|i| !in_open.contains(i)).map(share).sum();
                 let along_edge = falls - end.outwards * slope;
-                let is_corner = |other: &Edge<D>| other.outwards.dot(&end.outwards) < FRONT && other.distance < size;
+                let is_corner = |other: &Edge<D>| other.outwards.dot(&end.outwards) < CORNER && other.distance < size;
                 if along_edge.norm() > LEAST_SLOPE * slope
                     && let Some(other) = edge(along_edge.normalize()).filter(is_corner)
                 {
-                    let slope = falls.dot(&other.outwards);
+                    let slope = falls.dot(&other.outwards).max(0.0);
                     lengths[0] += slope * other.distance.max(0.0);
                     lengths[1] += slope * exit(&other);
                     fall = lengths[0];
@@ -238,14 +243,17 @@ impl<const D: usize> FilmSurfaces<D> {
             if feet(&middle).is_some() {
                 inside = middle;
             }
+            // Behind an edge the next surface may be close enough for a film, which is another one.
+            let widest = WIDENS * gap(&feet(&inside)?);
+            let is_in_film = |x: &Point<D>| feet(x).is_some_and(|feet| gap(&feet) <= widest);
             let mut outside = inside + along * step;
-            if feet(&outside).is_some() {
+            if is_in_film(&outside) {
                 inside = outside;
                 continue;
             }
             for _ in 0..HALVINGS {
                 let half = mean(&[inside, outside]);
-                *(if feet(&half).is_some() { &mut inside } else { &mut outside }) = half;
+                *(if is_in_film(&half) { &mut inside } else { &mut outside }) = half;
             }
             // Past an edge, the closest point of its surface remains at the edge.
             let last = feet(&inside)?;

@@ -85,6 +85,24 @@ fn films_end_where_both_plates_end() {
     }
 }
 
+/// A plate over a block that begins behind the edge of the plate, above a wall that is close enough for a film, too. The
+/// film ends where the block begins.
+#[test]
+fn films_end_where_the_surface_is_another_one() {
+    for gap in [0.02, 0.1] {
+        for begins in [5.05, 5.35, 5.65] {
+            let mut setup = open_box([24, 10], true);
+            let starts = begins + 0.2 * gap;
+            add(&mut setup, &structured_box([starts, -1.0], [begins + 13.0, 1.5], [1, 1]).expect("a block"), 0.0);
+            add(&mut setup, &plate(begins, [1.5 + gap, 3.5 + gap]), -1.0);
+            let length = 10.0 - 0.2 * gap;
+            // With a film that continues to the wall the force is 0.65 to 0.81.
+            let found = force(&setup) * (gap / length).powi(3) / (1.0 + 3.2 * gap / length);
+            assert!((found - 1.0).abs() < 0.08, "gap {gap}, {begins}: {found}");
+        }
+    }
+}
+
 /// Returns a prism over a regular polygon with a circumradius, turned by an angle.
 fn prism(n: usize, centre: [f64; 2], radius: f64, turned_by: f64, heights: [f64; 2]) -> SimplexMesh<3> {
     let mut vertices: Vec<_> = heights.iter().map(|z| Point::from([centre[0], centre[1], *z])).collect();
