@@ -6,7 +6,7 @@ use solver::{FluidState, StepView};
 use crate::measures::pieces;
 use crate::scenario::{Quantity, Units};
 
-/// Largest negative barycentric coordinate of a point that is inside, with its sign changed.
+/// Tolerance: a point is inside a simplex if no barycentric coordinate is below `-INSIDE`.
 const INSIDE: f64 = 1e-9;
 
 /// Probes of a run.
@@ -69,7 +69,7 @@ impl<const D: usize> Probes<D> {
 }
 
 impl<const D: usize> Probe<D> {
-    /// Creates a probe. Masses, forces, energies and flows are integrals over a domain of `dimension`.
+    /// Creates a probe. Units are those of integrals over a domain of `dimension` (3 in axisymmetric coordinates).
     pub(crate) fn new(name: &str, measured: Measured<D>, units: &Units, dimension: usize) -> Self {
         let (length, velocity) = (units.label(Quantity::LENGTH), units.label(Quantity::VELOCITY));
         let total = |quantity| units.total_label(quantity, dimension);

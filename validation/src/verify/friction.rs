@@ -31,7 +31,8 @@ const FADED: f64 = 0.25;
 const TOLERANCE: f64 = 0.01;
 /// Largest displacement of a block that sticks, relative to its displacement without friction.
 const DRIFT: f64 = 1e-3;
-/// Relative tolerance of the rigid block, whose motion is exact up to the tolerance of the multipliers, and of these.
+/// Relative tolerance of the motion and the multipliers of the rigid block. Its motion is exact up to the tolerance of
+/// the multipliers.
 const RIGID_TOLERANCE: f64 = 1e-6;
 
 /// Displacement and velocity of the centre of mass, and the tangential force of contact over the weight.

@@ -113,8 +113,8 @@ fn in_time(record: &mut Record, n: usize) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Time step, and error of the velocity in L2 with the exact flow as the history of uncovered fluid: measured once,
-/// with closures that the solver does not have.
+/// Time steps and L2 errors of the velocity if uncovered fluid has the exact flow as its history. Measured once, with a
+/// modified solver.
 const EXACT_CLOSURE: [(f64, f64); 2] = [(0.1, 1.541e-4), (0.05, 1.567e-4)];
 /// A viscosity with which the extension of velocities to uncovered fluid shows.
 const SMALL_VISCOSITY: f64 = 1e-3;
@@ -166,9 +166,9 @@ fn of_schemes(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Measures orders in the time step on a flow that changes fast and is curved: the extension to uncovered fluid is not
-/// exact. The differences between a step and half of it are free of the error of the mesh, which the errors of the
-/// gradient reach.
+/// Measures orders in the time step on a curved flow that changes fast. The extension to uncovered fluid is not exact
+/// there. Differences between a step and half of it do not contain the error of the mesh, which limits the errors of
+/// the gradient.
 fn of_curved_flow(record: &mut Record) -> Result<(), Failure> {
     let (n, n_steps) = if record.full { (96, 5) } else { (48, 4) };
     let scheme = second_order(RHO_INF)?;

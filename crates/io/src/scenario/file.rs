@@ -82,8 +82,8 @@ keys! {
         checkpoint_every: usize = 0,
         /// Quantities of points, bodies and sections by name: columns of `probes.csv`.
         probes: Named<ProbeChoice>,
-        /// Least time by the clock between two checkpoints, minutes. Steps of `checkpoint_every`, or every tenth step if that is
-        /// left out, write none earlier.
+        /// Smallest wall-clock time between two checkpoints, minutes. After this time the next multiple of
+        /// `checkpoint_every` steps (10 if left out) writes one.
         checkpoint_minutes: Option<f64> [non_negative],
     }
 }

@@ -24,18 +24,18 @@ keys! {
         /// Number of times that a step is halved, if Newton's method fails, a contact may have been missed, a body
         /// passes through its obstacle or a cell is inverted, before the run stops.
         most_halvings: usize [between(0.0, 20.0)] = 4,
-        /// Steps in parts that become shorter as the bodies of a contact approach; steps of one length if left out.
+        /// Substeps that become shorter as the bodies of a contact approach; none if left out.
         approach: Option<Approach>,
     }
 }
 
 keys! {
-    /// Parts of steps where bodies are close to each other.
+    /// Substeps where bodies are close to each other.
     pub struct Approach {
-        /// Largest motion of the bodies of a contact in a part of a step, relative to the gap between them; nodes that
-        /// do not move have none.
+        /// Largest motion of the bodies of a contact in a substep, relative to the gap between them; nodes that do not
+        /// move have none.
         fraction: f64 [positive] = 0.06,
-        /// Smallest length of a part.
+        /// Smallest length of a substep.
         smallest: At<f64> [unit(Quantity::TIME), positive],
     }
 }
