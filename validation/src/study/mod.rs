@@ -9,7 +9,7 @@ use cutwater::io::{self, ScenarioFile, Summary};
 use cutwater::report::Results;
 
 pub(crate) use self::definition::names;
-use self::definition::{Definition, Series};
+use self::definition::{Definition, StudySeries};
 use self::limit::{Limit, richardson};
 use crate::bounds::potential::{arrival, gaps};
 use crate::case;
@@ -203,10 +203,10 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<StudyRun>]) -> Record
     record.tables.push(Table { head, rows: rows.collect() });
     record.notes.clone_from(&definition.note);
     // Series that vary the same quantity share their charts. Two values of a coefficient make no curve.
-    let pairs: Vec<(&Series, &Vec<StudyRun>)> = all().filter(|(series, _)| !series.coefficient).collect();
+    let pairs: Vec<(&StudySeries, &Vec<StudyRun>)> = all().filter(|(series, _)| !series.coefficient).collect();
     for group in pairs.chunk_by(|a, b| a.0.parameter == b.0.parameter) {
         let mut chart = |title: &str, value: &dyn Fn(&StudyRun) -> Option<f64>| {
-            let curve = |(series, runs): &(&Series, &Vec<StudyRun>)| {
+            let curve = |(series, runs): &(&StudySeries, &Vec<StudyRun>)| {
                 let mut points: Vec<_> = runs.iter().filter_map(|run| Some((run.value, value(run)?))).collect();
                 points.sort_by(|a, b| a.0.total_cmp(&b.0));
                 (series.name.clone(), points)
@@ -240,7 +240,7 @@ const QUANTITIES: [Quantity; 4] = [
 
 /// Adds the limits of a series: rows of a table, and verdicts on contact before that in an ideal fluid, on orders and
 /// on uncertainties.
-fn add_limits(series: &Series, runs: &[StudyRun], record: &mut Record, table: &mut Vec<Vec<String>>) {
+fn add_limits(series: &StudySeries, runs: &[StudyRun], record: &mut Record, table: &mut Vec<Vec<String>>) {
     let name = &series.name;
     let contacts = || runs.iter().map(|run| run.summary.contact_time.unwrap_or(f64::NAN));
     let earliest = -contacts().map(|time| -time).fold(f64::NEG_INFINITY, worse);

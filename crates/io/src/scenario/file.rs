@@ -15,7 +15,7 @@ use super::fluid::{Fluid, Interface};
 use super::motion::MotionChoice;
 use super::overrides;
 use super::probe::ProbeChoice;
-use super::solver::{Linear, Solver, Time, TimeSchemeChoice};
+use super::solver::{LinearSolverChoice, Solver, Time, TimeSchemeChoice};
 use super::table::{At, Choose as _, Document, KeyValue, Named, Node, OrTable, choices, keys, parse};
 use super::units::Units;
 use crate::Error;
@@ -380,5 +380,5 @@ fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
         body.check()?;
     }
     check_effects(scenario, &bodies)?;
-    scenario.solver.linear.as_ref().map_or(Ok(()), Linear::check)
+    scenario.solver.linear.as_ref().map_or(Ok(()), LinearSolverChoice::check)
 }

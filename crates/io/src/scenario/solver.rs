@@ -110,7 +110,7 @@ keys! {
         newton: Newton = {},
         /// Linear solver. If left out: `{ kind = "gmres", preconditioner = "lagged-lu" }`; for a fluid in space with
         /// more than 50 000 unknowns `{ kind = "gmres", preconditioner = "block-gauss-seidel" }`.
-        linear: Option<Linear>,
+        linear: Option<LinearSolverChoice>,
     }
 }
 
@@ -122,8 +122,8 @@ const LARGE_IN_SPACE: usize = 50_000;
 
 impl Solver {
     /// Returns the linear solver for a fluid with a number of unknowns, or for bodies alone, with the reason for it.
-    pub(super) fn linear(&self, dimension: usize, n_unknowns: usize) -> (Linear, &'static str) {
-        let gmres = |preconditioner| Linear::Gmres { preconditioner, restart: None, blocks: None };
+    pub(super) fn linear(&self, dimension: usize, n_unknowns: usize) -> (LinearSolverChoice, &'static str) {
+        let gmres = |preconditioner| LinearSolverChoice::Gmres { preconditioner, restart: None, blocks: None };
         match &self.linear {
             Some(linear) => (linear.clone(), "given in the scenario"),
             None if dimension > 2 && n_unknowns > LARGE_IN_SPACE => (
@@ -155,7 +155,7 @@ impl Newton {
 
 choices! {
     /// Linear solver.
-    pub enum Linear ["kind"] {
+    pub enum LinearSolverChoice ["kind"] {
         /// Sparse LU factorisation of every matrix.
         Direct = "direct",
         /// Restarted flexible GMRES.
@@ -220,7 +220,7 @@ choices! {
     }
 }
 
-impl Linear {
+impl LinearSolverChoice {
     /// Checks that all settings belong to the preconditioner.
     pub(super) fn check(&self) -> Result<(), ScenarioError> {
         let Self::Gmres { preconditioner: Preconditioner::LaggedLu, restart, blocks } = self else { return Ok(()) };
