@@ -24,7 +24,7 @@ const INTERVALS: usize = 600;
 /// Returns the gap in which the ball of a scenario (its TOML text) starts, and that at which contact begins; `None` if
 /// the table of added masses does not hold for it.
 pub(crate) fn gaps(scenario: &str) -> Option<(f64, f64)> {
-    let scenario: toml::TextTable = scenario.parse().ok()?;
+    let scenario: toml::Table = scenario.parse().ok()?;
     // Numbers are written with or without a decimal point.
     let number = |value: &toml::Value| value.clone().try_into::<f64>().ok();
     let height = |value: &toml::Value, key: &str| number(value.get(key)?.as_array()?.last()?);

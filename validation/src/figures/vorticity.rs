@@ -2,7 +2,7 @@
 
 use crate::units::cgs;
 use cutwater::io::vtk::fluid::{curl, fluid_polygons};
-use cutwater::mesh::{SimplexMesh, Vector, VertexId};
+use cutwater::mesh::{SimplexMesh, VertexId};
 use cutwater::report::plane::{barycentric, outline};
 use cutwater::solver::{FluidState, StepView};
 

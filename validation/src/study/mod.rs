@@ -20,7 +20,7 @@ use crate::results;
 use crate::stored::{CHECKPOINTS, StoredRun};
 use crate::table::short;
 use crate::units::cgs;
-use crate::verify::record::{Record, Table, worse};
+use crate::verify::record::{Record, TextTable, worse};
 use crate::verify::{document, missed};
 use crate::workers;
 
@@ -181,7 +181,7 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<StudyRun>]) -> Record
     }
     if !limits.is_empty() {
         let head = ["series", "quantity", "limit", "observed order", "differences shrink"];
-        record.tables.push(Table { head: head.map(str::to_owned).into(), rows: limits });
+        record.tables.push(TextTable { head: head.map(str::to_owned).into(), rows: limits });
     }
     let summaries: Vec<&Summary> = runs.iter().flatten().map(|run| &run.summary).collect();
     results::add_energies(&summaries, &mut record);
@@ -200,7 +200,7 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<StudyRun>]) -> Record
     }
     let rows = all().flat_map(|(series, runs)| runs.iter().map(|run| [vec![series.name.clone()], row(run)].concat()));
     let head = ["series"].iter().chain(&HEAD).map(|name| cgs(name)).collect();
-    record.tables.push(Table { head, rows: rows.collect() });
+    record.tables.push(TextTable { head, rows: rows.collect() });
     record.notes.clone_from(&definition.note);
     // Series that vary the same quantity share their charts. Two values of a coefficient make no curve.
     let pairs: Vec<(&StudySeries, &Vec<StudyRun>)> = all().filter(|(series, _)| !series.coefficient).collect();
