@@ -150,13 +150,8 @@ fn of_schemes(record: &mut Record) -> Result<(), Failure> {
     for (scheme_name, scheme, orders) in schemes {
         let mut sequence = Sequence::new();
         for dt in (0..6).map(|k| 0.1 * 0.5_f64.powi(k)) {
-            let known = KnownFlow {
-                flow: Arc::new(Swaying),
-                density: 1.0,
-                viscosity: VISCOSITY,
-                convects: true,
-                open: &["right"],
-            };
+            let flow = Arc::new(Swaying);
+            let known = KnownFlow { flow, density: 1.0, viscosity: VISCOSITY, convects: true, open: &["right"] };
             let (setup, state) = past_moving_disk(&known, &scheme, SPEED, N, dt)?;
             sequence.push((dt, known.errors(&setup, &state)?));
         }
