@@ -392,7 +392,7 @@ fn print_timings(summary: &Summary, print_line: &mut dyn FnMut(&str)) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Summary, contact_lines, divided, overlap};
+    use super::{Summary, contact_lines, divided, overlap, warnings};
 
     #[test]
     fn many_divided_steps_have_a_remedy() {
@@ -417,6 +417,20 @@ mod tests {
             [overlap(&summary(-0.09)), overlap(&summary(0.3)), overlap(&Summary::default())],
             [None, None, None]
         );
+    }
+
+    #[test]
+    fn each_bad_result_has_a_warning() {
+        let summary = Summary {
+            energy_generated: Some(0.5),
+            energy_lost_in_contact: Some(0.5),
+            energy_lost_at_surfaces: Some(0.5),
+            closed_volume_change: Some(0.5),
+            ..Summary::default()
+        };
+        let lines = warnings(&summary);
+        assert!(lines.len() == 4 && lines.iter().all(|line| line.starts_with("warning: ")), "{lines:#?}");
+        assert!(warnings(&Summary::default()).is_empty());
     }
 
     #[test]
