@@ -11,7 +11,7 @@ use crate::compare;
 use crate::metrics::Rebound;
 use crate::outcome::Failure;
 use crate::units::cgs;
-use crate::verify::record::{Record, Table, worse};
+use crate::verify::record::{Record, TextTable, worse};
 use crate::verify::{document, missed};
 
 /// Largest number of contacts that are shown.
@@ -62,7 +62,7 @@ pub(crate) fn record(name: &str, reference: &Reference, out: &Path) -> Result<Re
     }
     let head = ["quantity", "reason for the band"].map(str::to_owned).into();
     let reasons = reference.comparisons.iter().map(|asked| vec![asked.quantity.clone(), asked.reason.clone()]);
-    record.tables.push(Table { head, rows: reasons.collect() });
+    record.tables.push(TextTable { head, rows: reasons.collect() });
     record.note(format!("Reference: {}.", reference.source));
     missed::mark(&mut record)?;
     Ok(record)

@@ -23,7 +23,8 @@ const PROGRESS: Duration = Duration::from_secs(10);
 /// Resolution of the runs, and what is written in addition to their results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fineness {
-    /// Coarse meshes. Runs are compared with our own stored values, which may be stored anew before.
+    /// Coarse meshes. Runs are compared with values that an earlier version of this code stored. `regenerates`: these
+    /// values are replaced first.
     Quick { regenerates: bool },
     /// The resolution of the paper. Runs are compared with the paper, and their pages of the book may be written.
     Paper { writes_pages: bool },
@@ -63,7 +64,8 @@ pub(crate) fn run(cases: &[String], fineness: Fineness, out: &Path) -> Outcome {
         Ok(())
     })?;
     if !fineness.is_quick() {
-        // Verdicts of a whole run are those of the pages, which include listed targets and the other cases.
+        // At the resolution of the paper the verdict of a case is that of its page, on which targets listed in
+        // `missed.toml` may fail and cases are compared with each other.
         failed.clear();
         for (name, reference) in &references {
             let holds = results::record(name, reference, out).and_then(|record| {
@@ -86,7 +88,7 @@ pub(crate) fn run(cases: &[String], fineness: Fineness, out: &Path) -> Outcome {
         println!("Compared with the numbers of the paper.");
     }
     match failed.as_slice() {
-        [] => println!("{} of {} cases are as they should be.", names.len(), names.len()),
+        [] => println!("{} of {} cases pass.", names.len(), names.len()),
         failed => println!("{} of {} cases failed: {failed:?}", failed.len(), names.len()),
     }
     Ok(failed.is_empty())
@@ -103,7 +105,7 @@ struct CaseRun {
 /// # Errors
 /// The run does not start, or a file cannot be read or written.
 fn run_case(name: &str, reference: &Reference, is_quick: bool, directory: &Path) -> Result<CaseRun, Failure> {
-    // A run that does not start must not leave the comparison of an earlier one.
+    // The comparison of an earlier run is removed, in case this run does not start.
     compare::remove(directory)?;
     let mut set = vec![format!("name={name}")];
     set.extend_from_slice(&reference.set);
@@ -157,17 +159,17 @@ fn judge(
 ) -> Outcome {
     let is_quick = fineness.is_quick();
     print_sizes(&results.summary);
-    let asked = reference.comparisons.iter().filter(|asked| !is_quick || asked.key != REFACTORIZATIONS_PER_STEP);
+    let comparisons = reference.comparisons.iter().filter(|of| !is_quick || of.key != REFACTORIZATIONS_PER_STEP);
     if fineness == (Fineness::Quick { regenerates: true }) {
-        let values = asked.clone().filter_map(|asked| Some((asked.key.clone(), as_number(&metrics[&asked.key])?)));
+        let values = comparisons.clone().filter_map(|of| Some((of.key.clone(), as_number(&metrics[&of.key])?)));
         stored.insert(name.to_owned(), values.collect::<BTreeMap<_, _>>());
     }
-    let rows: Vec<Compared> = asked
-        .map(|asked| match is_quick {
-            false => with_paper(asked, metrics.get(&asked.key)),
+    let rows: Vec<Compared> = comparisons
+        .map(|of| match is_quick {
+            false => with_paper(of, metrics.get(&of.key)),
             true => {
-                let stored = stored.get(name).and_then(|values| values.get(&asked.key));
-                with_stored(asked, metrics.get(&asked.key), stored.copied())
+                let stored = stored.get(name).and_then(|values| values.get(&of.key));
+                with_stored(of, metrics.get(&of.key), stored.copied())
             }
         })
         .collect();
@@ -176,7 +178,7 @@ fn judge(
     Ok(rows.iter().all(Compared::passes))
 }
 
-/// Returns whether verdicts are good. Prints an error that is there in their place.
+/// Returns whether all verdicts are good. Prints an error, which counts as a bad verdict.
 fn passes_or_print(outcome: Outcome) -> bool {
     outcome.unwrap_or_else(|error| {
         print_error("the comparison failed", error.as_ref());
@@ -204,7 +206,7 @@ fn write_stored(stored: &QuickValues) -> Result<(), Failure> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder)?;
     }
-    let head = "# Values of our own on coarse meshes, written by `validate --quick --regenerate`: a memory, no validation.\n\n";
+    let head = "# Values of this code on coarse meshes, written by `validate --quick --regenerate`: for regression tests, not for validation.\n\n";
     fs::write(&path, format!("{head}{}", toml::to_string(stored)?))?;
     println!("Stored in {}", path.display());
     Ok(())

@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 
 use crate::process::Outcome;
 
-/// Files that are compared, in any folder below the first.
+/// Names of the files that are compared, in all folders below OLD.
 const FILES: [&str; 3] = ["history.csv", "diagnostics.csv", "probes.csv"];
 /// Columns of wall-clock times begin with this prefix. They are not compared.
 const SECONDS: &str = "seconds_";
 /// Number of columns that are printed, largest deviation first.
 const PRINTED: usize = 30;
 
-/// Flags of the task.
+/// Arguments of the task.
 #[derive(clap::Args)]
 #[command(
     after_help = "Compares every history.csv, diagnostics.csv and probes.csv below OLD with the file at the same relative path \
@@ -121,7 +121,7 @@ struct Deviation {
     relative: f64,
     /// Number of rows whose texts differ.
     n_different: usize,
-    /// First row with different texts, from one; zero without one.
+    /// First row with different texts, from one; zero if no row differs.
     first: usize,
 }
 

@@ -13,7 +13,7 @@ const MAX_GROWTHS: usize = 5;
 
 /// Number of corrections that are accepted in full although no fraction of them reduces the residual. Where vapour or
 /// contact begins and ends, a full correction may raise the residual before the next ones reduce it, and the search may
-/// end in a corner in which no fraction does.
+/// reach a point at which no fraction does.
 ///
 /// Source: the watchdog technique of Chamberlain, Powell, Lemarechal, Pedersen 1982, doi:10.1007/BFb0120945.
 const MAX_RISES: usize = 5;

@@ -1,4 +1,4 @@
-//! Block Gauss-Seidel: cases where a block solver or the sweep is exact, and cases that must be refused.
+//! Block Gauss-Seidel: cases where a block solver or the sweep is exact, and cases that must be errors.
 
 use algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, BlockLayout, BlockSolver, DirectSolver, Fill, LinearError,

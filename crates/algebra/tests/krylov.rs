@@ -141,7 +141,7 @@ fn a_solver_that_recalls_gives_the_bits_of_the_other() {
     assert!(with_memory != without && difference(&with_memory, &without) < 1e-4);
 }
 
-/// Checks that lists which no solver wrote are refused: each list left out, shortened, and with a number out of range.
+/// Checks that lists which no solver wrote are errors: each list left out, shortened, and with a number out of range.
 #[test]
 fn other_lists_are_no_memory() {
     let (matrix, keys) = grid(10, [5.0, 5.0], 0.2);

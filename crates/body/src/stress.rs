@@ -3,7 +3,7 @@
 use algebra::DofId;
 use mesh::{FacetId, Vector};
 
-/// Derivatives of a vector with the dofs on which it depends, each once.
+/// Derivatives of a vector: one entry for each dof on which it depends.
 pub type ByDof<const D: usize> = Vec<(DofId, Vector<D>)>;
 
 /// Traction `σ n` on one side of the surface of a body, constant on each facet, with its derivatives; `n` points out of
@@ -22,9 +22,9 @@ pub trait SurfaceStress<const D: usize>: Send + Sync {
     fn on(&self, facet: FacetId, x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D>;
 
     /// Returns the smallest `C` with `∫ |t(y)|² <= C y · K y` for all velocities `y` of the nodes of the cell behind
-    /// the facet, for small strains. `t(y)` is the traction that `y` causes on the facets of the cell on the surface,
-    /// and `K` the stiffness of the cell. A Nitsche term with this stress is stable if its penalty on velocities is
-    /// above `C`.
+    /// the facet, for small strains. `t(y)` is the change of the traction on the facets of the cell that are on the
+    /// surface, and `K y` the change of its internal forces, if the velocities at the stage change by `y`. A Nitsche
+    /// term with this stress is stable if its penalty on velocities is above `C`.
     ///
     /// Zero for a stress without a stored energy. Units: force·time per volume.
     fn trace_bound(&self, _facet: FacetId) -> f64 {

@@ -40,7 +40,8 @@ pub(crate) fn depths<const D: usize>(
     }
 }
 
-/// Computes the numbers at all vertices of a cell from a known number; returns whether one of the numbers is known.
+/// Computes the numbers of surrounding bodies at all vertices of a cell from a known number; returns whether one of the
+/// numbers is known.
 fn spread<const D: usize>(
     background: &SimplexMesh<D>,
     facets: &[Facet<D>],

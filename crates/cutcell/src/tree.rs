@@ -111,7 +111,7 @@ impl<const D: usize> Tree<D> {
         self.aligned >> face & 1 == 1
     }
 
-    /// Returns the inserted facets, without those that certainly have no point in common with the closed cell.
+    /// Returns the facets that may have a point in common with the closed cell. Some of them are not in the tree.
     pub(crate) fn near(&self) -> &[u32] {
         &self.near
     }
@@ -335,8 +335,8 @@ fn crossed_walls<'w, const D: usize>(
     Some(crossed)
 }
 
-/// Clips a facet to the walls of a cell. If the facet lies on a wall, sets the bit of the wall in `aligned` and returns
-/// `None`.
+/// Clips a facet to the walls of a cell. Returns `None` if it lies outside of the cell or on a wall. In the latter case
+/// the bit of the wall is set in `aligned`.
 fn clip_to_cell<const D: usize>(
     planes: &Planes<'_, D>,
     polygons: &mut Polygons<D>,

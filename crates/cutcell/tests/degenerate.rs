@@ -5,7 +5,7 @@ mod bodies;
 mod cases;
 mod identities;
 
-use bodies::Body;
+use bodies::TestBody;
 use cutcell::{CutMesh, OverlayOptions};
 use identities::check_identities;
 use mesh::generate::structured_box;
@@ -38,7 +38,7 @@ fn place<const D: usize>() -> impl Strategy<Value = Point<D>> {
 }
 
 /// Checks identities in every order of the bodies, and the volume of their union if it is known.
-fn check<const D: usize>(background: &SimplexMesh<D>, bodies: &[&Body<D>], union: Option<f64>) {
+fn check<const D: usize>(background: &SimplexMesh<D>, bodies: &[&TestBody<D>], union: Option<f64>) {
     let mut placed: Vec<_> = bodies.iter().map(|body| body.placed()).collect();
     let mut fluid = Vec::new();
     for _ in 0..bodies.len() {
@@ -53,7 +53,7 @@ fn check<const D: usize>(background: &SimplexMesh<D>, bodies: &[&Body<D>], union
 }
 
 fn check_simplex<const D: usize>(corners: Vec<Point<D>>) {
-    let body = Body::simplex(corners);
+    let body = TestBody::simplex(corners);
     if body.volume() > 1e-10 {
         check(&grid(), &[&body], Some(body.volume()));
     }
@@ -61,8 +61,8 @@ fn check_simplex<const D: usize>(corners: Vec<Point<D>>) {
 
 /// Checks two simplices with a common facet, on different sides of it or on the same side.
 fn check_pair<const D: usize>(corners: &[Point<D>]) {
-    let first = Body::simplex(corners[..=D].to_vec());
-    let second = Body::simplex(corners[1..].to_vec());
+    let first = TestBody::simplex(corners[..=D].to_vec());
+    let second = TestBody::simplex(corners[1..].to_vec());
     if first.volume().min(second.volume()) < 1e-10 {
         return;
     }
@@ -81,7 +81,7 @@ fn check_boxes<const D: usize>(c: &[Point<D>]) {
     let volume = |low: &Point<D>, high: &Point<D>| (high - low).sup(&Point::zeros()).product();
     if (ha - la).min() > 1e-9 && (hb - lb).min() > 1e-9 {
         let union = volume(&la, &ha) + volume(&lb, &hb) - volume(&la.sup(&lb), &ha.inf(&hb));
-        check(&grid(), &[&Body::cuboid(la, ha), &Body::cuboid(lb, hb)], Some(union));
+        check(&grid(), &[&TestBody::cuboid(la, ha), &TestBody::cuboid(lb, hb)], Some(union));
     }
 }
 
@@ -127,7 +127,7 @@ proptest! {
         let turn = mesh::nalgebra::Rotation3::from_euler_angles(angles[0], angles[1], angles[2]);
         let shift = Point::<3>::from_fn(|k, _| 0.25 * shifts[k]);
         for side in [0.5, 3.0 / 7.0] {
-            let body = Body::cuboid(Point::<3>::repeat(-side / 2.0), Point::repeat(side / 2.0));
+            let body = TestBody::cuboid(Point::<3>::repeat(-side / 2.0), Point::repeat(side / 2.0));
             let body = body.moved(|x| turn * x + shift);
             check(&background, &[&body], Some(body.volume()));
         }
@@ -183,16 +183,16 @@ fn needles_whose_volume_is_lost_in_round_off_are_parts() {
 
 #[test]
 fn facets_much_smaller_than_the_round_off_of_their_coordinates() {
-    let body = Body::cuboid(Point::<2>::zeros(), Point::<2>::new(0.75, 1e-18));
+    let body = TestBody::cuboid(Point::<2>::zeros(), Point::<2>::new(0.75, 1e-18));
     check(&grid(), &[&body], Some(body.volume()));
-    let body = Body::cuboid(Point::<3>::zeros(), Point::<3>::new(0.75, 1e-18, 1e-18));
+    let body = TestBody::cuboid(Point::<3>::zeros(), Point::<3>::new(0.75, 1e-18, 1e-18));
     check(&grid(), &[&body], Some(body.volume()));
 }
 
 #[test]
 fn a_needle_with_an_edge_that_is_almost_a_point() {
     let corners = [[1e-9, 2.0, 0.25], [0.25, 0.25, 0.25], [0.0, 1e-18, 0.0], [0.0, 0.0, 0.0]];
-    let body = Body::simplex(corners.map(Point::<3>::from).to_vec());
+    let body = TestBody::simplex(corners.map(Point::<3>::from).to_vec());
     check(&grid(), &[&body], None);
 }
 
@@ -202,19 +202,19 @@ fn a_tetrahedron_that_sticks_out_by_almost_nothing() {
     let third = 4.0 / 12.0;
     let corners =
         [[7.0 / 12.0, 1.0 / 12.0, 10.0 / 12.0], [8.0 / 12.0, near, 0.0], [-1e-9, 0.0, near], [third, third, third]];
-    let body = Body::simplex(corners.map(Point::<3>::from).to_vec());
+    let body = TestBody::simplex(corners.map(Point::<3>::from).to_vec());
     check(&grid(), &[&body], None);
 }
 
 /// Returns the unit cube with an additional vertex on an upper edge that belongs to the facets on one side only, and a
 /// facet of zero width between the two sides, as in repaired meshes. `depth` is the distance of the vertex from the
 /// edge.
-fn cube_with_a_cap(depth: f64) -> Body<3> {
-    let mut body = Body::cuboid(Point::<3>::zeros(), Point::repeat(1.0));
+fn cube_with_a_cap(depth: f64) -> TestBody<3> {
+    let mut body = TestBody::cuboid(Point::<3>::zeros(), Point::repeat(1.0));
     body.positions.push(Point::<3>::new(0.4, -depth, 1.0 + depth / 3.0));
     let squares = [[0, 2, 3, 1], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let sides = squares.into_iter().flat_map(|[a, b, c, d]| [a, b, c, a, c, d]);
-    Body::new(body.positions, sides.chain([4, 8, 7, 8, 5, 7, 4, 7, 6, 4, 5, 8]))
+    TestBody::new(body.positions, sides.chain([4, 8, 7, 8, 5, 7, 4, 7, 6, 4, 5, 8]))
 }
 
 #[test]

@@ -4,7 +4,7 @@ mod bodies;
 mod cases;
 mod identities;
 
-use bodies::{Body, check_immersed, check_union, overlay};
+use bodies::{TestBody, check_immersed, check_union, overlay};
 use cutcell::{CutMesh, OverlayOptions};
 use identities::check_identities;
 use mesh::generate::structured_box;
@@ -17,12 +17,12 @@ fn unit_grid(n: usize) -> SimplexMesh<2> {
     structured_box::<2>([0.0, 0.0], [1.0, 1.0], [n, n]).expect("a box")
 }
 
-fn star(centre: P, radii: &[f64], turn: f64) -> Body<2> {
+fn star(centre: P, radii: &[f64], turn: f64) -> TestBody<2> {
     let corner = |(k, r): (usize, &f64)| {
         let angle = turn + std::f64::consts::TAU * k as f64 / radii.len() as f64;
         centre + P::new(angle.cos(), angle.sin()) * *r
     };
-    Body::polygon(radii.iter().enumerate().map(corner).collect())
+    TestBody::polygon(radii.iter().enumerate().map(corner).collect())
 }
 
 /// Generates coordinates that often coincide with those of the grid, exactly or nearly.
@@ -48,7 +48,7 @@ proptest! {
     ) {
         let (low, high) = (P::new(x.min(a), y.min(b)), P::new(x.max(a), y.max(b)));
         if (high - low).min() > 1e-11 {
-            check_immersed(&unit_grid(8), &Body::cuboid(low, high));
+            check_immersed(&unit_grid(8), &TestBody::cuboid(low, high));
         }
     }
 
@@ -57,9 +57,9 @@ proptest! {
         c in prop::collection::vec((nasty_coordinate(), nasty_coordinate()), 3),
     ) {
         let points: Vec<P> = c.iter().map(|&(x, y)| P::new(x, y)).collect();
-        let mut body = Body::polygon(points.clone());
+        let mut body = TestBody::polygon(points.clone());
         if body.volume() < 0.0 {
-            body = Body::polygon(points.into_iter().rev().collect());
+            body = TestBody::polygon(points.into_iter().rev().collect());
         }
         if body.volume() > 1e-3 {
             check_immersed(&unit_grid(8), &body);
@@ -76,7 +76,7 @@ proptest! {
             let common = (ha.inf(&hb) - la.sup(&lb)).sup(&P::zeros());
             let area = |l: P, h: P| (h - l)[0] * (h - l)[1];
             let union = area(la, ha) + area(lb, hb) - common[0] * common[1];
-            let (first, second) = (Body::cuboid(la, ha), Body::cuboid(lb, hb));
+            let (first, second) = (TestBody::cuboid(la, ha), TestBody::cuboid(lb, hb));
             check_union(&unit_grid(8), &[&first, &second], union);
             check_union(&unit_grid(8), &[&second, &first], union);
         }
@@ -90,7 +90,7 @@ proptest! {
         use i_overlay::core::{fill_rule::FillRule, overlay_rule::OverlayRule};
         use i_overlay::float::single::SingleFloatOverlay;
         let (a, b) = (star(P::new(0.5, 0.5), &ra, turn), star(P::new(x, y), &rb, 0.3));
-        let path = |p: &Body<2>| p.positions.iter().map(|x| [x[0], x[1]]).collect::<Vec<_>>();
+        let path = |p: &TestBody<2>| p.positions.iter().map(|x| [x[0], x[1]]).collect::<Vec<_>>();
         let frame = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let union: Vec<Vec<Vec<[f64; 2]>>> = path(&a).overlay(&path(&b), OverlayRule::Union, FillRule::EvenOdd);
         let inside: Vec<Vec<Vec<[f64; 2]>>> = union.overlay(&frame, OverlayRule::Intersect, FillRule::EvenOdd);
@@ -143,7 +143,7 @@ fn a_half_disk_on_the_symmetry_line_has_no_piece_there() {
 fn a_plate_on_the_bottom_is_wet_on_its_top_only() {
     let background = unit_grid(8);
     for top in [0.2, 0.25] {
-        let plate = Body::cuboid(P::new(0.0, 0.0), P::new(1.0, top));
+        let plate = TestBody::cuboid(P::new(0.0, 0.0), P::new(1.0, top));
         let cut = check_union(&background, &[&plate], top);
         let length: f64 = cut.interface().iter().map(|p| p.measure).sum();
         assert!((length - 1.0).abs() < 1e-13, "{length}");
@@ -154,15 +154,15 @@ fn a_plate_on_the_bottom_is_wet_on_its_top_only() {
 #[test]
 fn a_body_may_stick_out_and_cover_everything() {
     let background = unit_grid(3);
-    check_union(&background, &[&Body::cuboid(P::new(-1.0, -1.0), P::new(0.5, 2.0))], 0.5);
-    check_union(&background, &[&Body::cuboid(P::new(-1.0, -1.0), P::new(2.0, 2.0))], 1.0);
-    check_union(&background, &[&Body::cuboid(P::new(3.0, 3.0), P::new(4.0, 4.0))], 0.0);
+    check_union(&background, &[&TestBody::cuboid(P::new(-1.0, -1.0), P::new(0.5, 2.0))], 0.5);
+    check_union(&background, &[&TestBody::cuboid(P::new(-1.0, -1.0), P::new(2.0, 2.0))], 1.0);
+    check_union(&background, &[&TestBody::cuboid(P::new(3.0, 3.0), P::new(4.0, 4.0))], 0.0);
 }
 
 #[test]
 fn a_thin_strip_makes_two_parts() {
     let background = unit_grid(2);
-    let strip = Body::cuboid(P::new(-0.5, 0.24), P::new(1.5, 0.26));
+    let strip = TestBody::cuboid(P::new(-0.5, 0.24), P::new(1.5, 0.26));
     let cut = check_union(&background, &[&strip], 0.02);
     assert_eq!(cut.report().max_parts, 2);
     assert!(cut.parts(mesh::CellId(0)).len() == 2);
@@ -172,11 +172,11 @@ fn a_thin_strip_makes_two_parts() {
 fn several_bodies_inside_one_cell() {
     let background = unit_grid(1);
     let bodies = [
-        Body::cuboid(P::new(0.6, 0.1), P::new(0.7, 0.2)),
-        Body::cuboid(P::new(0.75, 0.15), P::new(0.9, 0.3)),
-        Body::cuboid(P::new(0.8, 0.4), P::new(0.85, 0.45)),
+        TestBody::cuboid(P::new(0.6, 0.1), P::new(0.7, 0.2)),
+        TestBody::cuboid(P::new(0.75, 0.15), P::new(0.9, 0.3)),
+        TestBody::cuboid(P::new(0.8, 0.4), P::new(0.85, 0.45)),
     ];
-    let union = bodies.iter().map(Body::volume).sum();
+    let union = bodies.iter().map(TestBody::volume).sum();
     check_union(&background, &bodies.iter().collect::<Vec<_>>(), union);
 }
 
@@ -186,9 +186,9 @@ fn a_hole_filled_by_another_body() {
     // consists of two L-shaped bodies.
     let background = unit_grid(5);
     let p = P::new;
-    let lower = Body::polygon(vec![p(0.2, 0.2), p(0.8, 0.2), p(0.8, 0.8), p(0.6, 0.8), p(0.6, 0.4), p(0.2, 0.4)]);
-    let upper = Body::polygon(vec![p(0.2, 0.4), p(0.4, 0.4), p(0.4, 0.6), p(0.6, 0.6), p(0.6, 0.8), p(0.2, 0.8)]);
-    let core = Body::cuboid(p(0.4, 0.4), p(0.6, 0.6));
+    let lower = TestBody::polygon(vec![p(0.2, 0.2), p(0.8, 0.2), p(0.8, 0.8), p(0.6, 0.8), p(0.6, 0.4), p(0.2, 0.4)]);
+    let upper = TestBody::polygon(vec![p(0.2, 0.4), p(0.4, 0.4), p(0.4, 0.6), p(0.6, 0.6), p(0.6, 0.8), p(0.2, 0.8)]);
+    let core = TestBody::cuboid(p(0.4, 0.4), p(0.6, 0.6));
     let cut = check_union(&background, &[&lower, &upper, &core], 0.36);
     let length: f64 = cut.interface().iter().map(|piece| piece.measure).sum();
     assert!((length - 2.4).abs() < 1e-12, "{length}");
@@ -287,7 +287,7 @@ fn faces_next_to_cut_cells_are_ghost_faces() {
     // Two squares in two triangles each, divided by their rising diagonals; a small body inside the upper left
     // triangle of the left square.
     let background = structured_box::<2>([0.0, 0.0], [2.0, 1.0], [2, 1]).expect("a box");
-    let cut = overlay(&background, &[&Body::cuboid(P::new(0.2, 0.6), P::new(0.3, 0.7))]);
+    let cut = overlay(&background, &[&TestBody::cuboid(P::new(0.2, 0.6), P::new(0.3, 0.7))]);
     assert_eq!(cut.report().n_cut_cells, 1);
     let cells_of = |face: &cutcell::PartFace| face.parts.map(|part| cut.part_cell(part));
     let is_cut = |cell: mesh::CellId| cut.cell_state(cell) == cutcell::CellState::Cut;

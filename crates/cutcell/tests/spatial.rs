@@ -3,7 +3,7 @@
 mod bodies;
 mod identities;
 
-use bodies::{Body, check_immersed, check_union, overlay};
+use bodies::{TestBody, check_immersed, check_union, overlay};
 use cutcell::{CutMesh, OverlayOptions};
 use identities::check_identities;
 use mesh::generate::structured_box;
@@ -12,13 +12,13 @@ use mesh::{Point, SimplexMesh};
 type P = Point<3>;
 
 /// Returns the cube [-1/2, 1/2]³.
-fn cube() -> Body<3> {
-    Body::cuboid(P::repeat(-0.5), P::repeat(0.5))
+fn cube() -> TestBody<3> {
+    TestBody::cuboid(P::repeat(-0.5), P::repeat(0.5))
 }
 
 /// Returns a triangulated sphere: an octahedron with each triangle divided into n² and its vertices moved to the
 /// sphere.
-fn sphere(radius: f64, n: u32) -> Body<3> {
+fn sphere(radius: f64, n: u32) -> TestBody<3> {
     let mut positions: Vec<P> = Vec::new();
     let mut triangles = Vec::new();
     let mut vertex = |x: P| {
@@ -47,7 +47,7 @@ fn sphere(radius: f64, n: u32) -> Body<3> {
             }
         }
     }
-    Body::new(positions, triangles.into_iter().flatten())
+    TestBody::new(positions, triangles.into_iter().flatten())
 }
 
 fn grid(n: usize) -> SimplexMesh<3> {
@@ -116,8 +116,8 @@ fn a_cutter_gives_what_a_fresh_overlay_gives() {
     let mut cutter = cutcell::Cutter::new();
     for (step, background) in backgrounds.iter().cycle().take(7).enumerate() {
         let shift = P::new(0.01, 0.02, -0.013) * step as f64;
-        let moved: Vec<Body<3>> = bodies[step % 3..].iter().map(|body| body.moved(|x| x + shift)).collect();
-        let placed: Vec<_> = moved.iter().map(Body::placed).collect();
+        let moved: Vec<TestBody<3>> = bodies[step % 3..].iter().map(|body| body.moved(|x| x + shift)).collect();
+        let placed: Vec<_> = moved.iter().map(TestBody::placed).collect();
         let cut = cutter.overlay(background, &placed, &OverlayOptions::new()).expect("sound surfaces");
         assert!(
             cut == CutMesh::overlay(background, &placed, &OverlayOptions::new()).expect("sound surfaces"),
@@ -137,7 +137,7 @@ fn a_cutter_gives_what_a_fresh_overlay_gives() {
 fn pieces_of_needles_have_barycentric_coordinates() {
     // The third corner almost lies on the side between the two others.
     let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1e-9, 0.0], [0.4, 0.3, 0.8]];
-    let body = Body::new(points.map(P::from).to_vec(), [1, 0, 2, 0, 1, 3, 1, 2, 3, 2, 0, 3]);
+    let body = TestBody::new(points.map(P::from).to_vec(), [1, 0, 2, 0, 1, 3, 1, 2, 3, 2, 0, 3]);
     let body = body.moved(|x| x - P::new(0.3, 0.1, 0.2));
     assert!(body.volume() > 0.0);
     let cut = overlay(&grid(3), &[&body]);
@@ -156,11 +156,11 @@ fn a_surface_that_pierces_itself_is_refused_unless_allowed() {
     // Two cubes that overlap, as one surface.
     let (first, second) = (cube(), cube().moved(|x| x * 0.8 + P::new(0.5, 0.1, 0.2)));
     let offset = first.positions.len() as u32;
-    let corners = |body: &Body<3>, offset: u32| -> Vec<u32> {
+    let corners = |body: &TestBody<3>, offset: u32| -> Vec<u32> {
         body.boundary.facets().flat_map(|f| body.boundary.facet(f)).map(|v| v.0 + offset).collect()
     };
     let facets = [corners(&first, 0), corners(&second, offset)].concat();
-    let both = Body::new([first.positions.clone(), second.positions.clone()].concat(), facets);
+    let both = TestBody::new([first.positions.clone(), second.positions.clone()].concat(), facets);
     let background = grid(5);
     let options = OverlayOptions::new();
     let refused = CutMesh::overlay(&background, &[both.placed()], &options).expect_err("pierces itself");

@@ -1,4 +1,4 @@
-//! The command line: arguments only.
+//! Arguments of the command line.
 
 mod commands;
 
@@ -123,7 +123,7 @@ struct ResumeArguments {
     /// Change time.end or a value of output; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// Print nothing but errors.
+    /// Print warnings and errors only.
     #[arg(short, long)]
     quiet: bool,
     /// Print every step, and at the end the time of each part of the work.
@@ -204,7 +204,7 @@ struct RunArguments {
     /// Replace files in the directory that are not those of this scenario.
     #[arg(long, conflicts_with = "resume")]
     overwrite: bool,
-    /// Print nothing but errors.
+    /// Print warnings and errors only.
     #[arg(short, long)]
     quiet: bool,
     /// Print every step, and at the end the time of each part of the work.

@@ -27,8 +27,8 @@ pub struct MovedSurface<'a, const D: usize> {
 /// fluid nodes.
 pub struct MovedPoint<const D: usize> {
     /// `α (p n dA)` on the element where the pressure acts minus that on the plane facet of the cut, with the weight
-    /// `α` of the fluid's traction and the normal `n` out of the body: force (2D: per unit depth). That on the body is
-    /// the opposite.
+    /// `α` of the fluid's traction and the normal `n` out of the body: force (2D: per unit depth). The force on the
+    /// body is `-load`.
     pub load: Vector<D>,
     /// Derivatives of `load` with respect to the pressures of the fluid nodes, areas; only the first `D + 1` are used.
     pub by_pressure: [Vector<D>; MAX_CELL_VERTICES],
@@ -85,7 +85,7 @@ impl<const D: usize> Sites for MovedSurface<'_, D> {
         let gradients = values.gradients(item);
         for at in values.points(item) {
             let shape = boundary.shape(piece.facet, &at.in_facet);
-            // A facet without a measure has no area at any position.
+            // A facet of measure zero at the cut has no wet points. Zero avoids a division by zero.
             let share = if whole > 0.0 { alpha * at.measure / whole } else { 0.0 };
             let (moved, of_cut) = (facet.area(&shape), piece.normal * (alpha * at.weight));
             // From the plane facet of the cut to the element; zero for order 1 but for round-off.

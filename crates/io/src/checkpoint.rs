@@ -12,7 +12,7 @@ use crate::vtk::series::Entry;
 
 /// First bytes of a file.
 const MAGIC: &[u8; 8] = b"CUTWATER";
-/// Version of the format. A file of another version is refused.
+/// Version of the format. A file of another version is an error.
 const FORMAT: u32 = 9;
 /// Bytes before the header: magic, version and length of the header.
 const BEFORE_HEADER: usize = 8 + 4 + 8;

@@ -174,9 +174,9 @@ pub enum Error {
     Step(#[from] solver::StepError),
 }
 
-/// Returns the remedy for a refused surface, if the message of the cause does not contain one.
-fn advice(refused: &cutcell::Error) -> &'static str {
-    match refused {
+/// Returns the remedy for an invalid surface, if the message of the cause does not contain one.
+fn advice(error: &cutcell::Error) -> &'static str {
+    match error {
         cutcell::Error::Inward { .. } => " (`--flip` does it)",
         cutcell::Error::Open { .. } => ": close it",
         cutcell::Error::NonManifold { .. } => ": divide the body there, or join its vertices differently",

@@ -13,7 +13,7 @@
 // Compiles the code of the guide.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/src/guides/add-an-output-quantity.md")]
-struct Guide;
+struct GuideCode;
 
 pub mod cut;
 pub mod gmsh;

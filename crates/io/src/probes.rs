@@ -6,7 +6,7 @@ use solver::{FluidState, StepView};
 use crate::measures::pieces;
 use crate::scenario::{Quantity, Units};
 
-/// Largest negative barycentric coordinate of a point that is inside, with its sign changed.
+/// Tolerance: a point is inside a simplex if no barycentric coordinate is below `-INSIDE`.
 const INSIDE: f64 = 1e-9;
 
 /// Probes of a run.
@@ -15,7 +15,7 @@ pub struct Probes<const D: usize> {
     /// Probes with columns in `probes.csv`.
     pub(crate) columns: Vec<Probe<D>>,
     /// Probes with files of their own.
-    pub(crate) lines: Vec<Line<D>>,
+    pub(crate) lines: Vec<ProbeLine<D>>,
     /// Names of the columns of the files of `lines`.
     pub(crate) line_header: Vec<String>,
 }
@@ -49,7 +49,7 @@ pub(crate) enum Measured<const D: usize> {
 
 /// A segment along which velocity and pressure are written.
 #[derive(Clone, Debug)]
-pub(crate) struct Line<const D: usize> {
+pub(crate) struct ProbeLine<const D: usize> {
     pub(crate) name: String,
     pub(crate) ends: [Point<D>; 2],
     /// Number of points.
@@ -69,7 +69,7 @@ impl<const D: usize> Probes<D> {
 }
 
 impl<const D: usize> Probe<D> {
-    /// Creates a probe. Masses, forces, energies and flows are integrals over a domain of `dimension`.
+    /// Creates a probe. Units are those of integrals over a domain of `dimension` (3 in axisymmetric coordinates).
     pub(crate) fn new(name: &str, measured: Measured<D>, units: &Units, dimension: usize) -> Self {
         let (length, velocity) = (units.label(Quantity::LENGTH), units.label(Quantity::VELOCITY));
         let total = |quantity| units.total_label(quantity, dimension);
@@ -166,7 +166,7 @@ fn with_moment<const D: usize>(coordinates: Coordinates, force: Vector<D>, momen
     force.iter().chain(moments).copied().collect()
 }
 
-impl<const D: usize> Line<D> {
+impl<const D: usize> ProbeLine<D> {
     /// Returns the names of the columns.
     pub(crate) fn header(units: &Units) -> Vec<String> {
         let axes = |quantity: &'static str, unit: String| {
@@ -209,9 +209,5 @@ fn values_at<const D: usize>(
         }
         is_inside
     })?;
-    let dofs = fluid.space.dofs(part).iter().zip(shape).map(|(dof, share)| (*dof as usize, share));
-    let sum = |(u, p): (Vector<D>, f64), (k, share): (usize, f64)| {
-        (u + fluid.velocity[k] * share, p + fluid.pressure[k] * share)
-    };
-    Some(dofs.fold((Vector::zeros(), 0.0), sum))
+    Some(fluid.at(part, &shape))
 }

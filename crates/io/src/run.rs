@@ -15,7 +15,7 @@ use crate::claim::{Claim, keep_input};
 use crate::files::{create_directory, write_whole};
 use crate::history::{History, TABLES, csv};
 use crate::measures::{BodyMeasures, leading_body};
-use crate::probes::Line;
+use crate::probes::ProbeLine;
 use crate::scenario::{Case, CaseVisitor, Fluid, Output, Scenario, ScenarioFile, lower};
 use crate::sizes::Sizes;
 use crate::summary::{Summary, SummaryBuilder, UnitLabels, peak_rss_bytes};
@@ -256,7 +256,7 @@ struct RunFiles<'a, const D: usize> {
     bottom: f64,
     history: History<D>,
     /// Lines along which fields are written, and the names of their columns.
-    lines: (Vec<Line<D>>, Vec<String>),
+    lines: (Vec<ProbeLine<D>>, Vec<String>),
     summary: SummaryBuilder,
     series: [Series; SERIES.len()],
     begin: Instant,

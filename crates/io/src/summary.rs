@@ -77,8 +77,8 @@ pub struct Summary {
     pub energy_monotone: bool,
     /// Sum of all increases of the energy in steps, without the same work, divided by the energies of the run or, if it
     /// is larger, the largest line of [`solver::Ledger`]. Increases below the tolerance of Newton's method times the
-    /// weights and extents are not counted, and increases below twice [`solver::Ledger::defect`]. None before the first step, if an energy was not a number, and for
-    /// `quasi-static`.
+    /// weights and extents are not counted, and increases below twice [`solver::Ledger::defect`]. None before the first
+    /// step, if an energy was not a number, and for `quasi-static`.
     #[serde(default)]
     pub energy_generated: Option<f64>,
     /// Energy that the time scheme takes from bodies in the steps with contact and without collisions, divided by the

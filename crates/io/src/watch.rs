@@ -93,13 +93,13 @@ pub struct StepProgress {
     pub d_min: Option<f64>,
     /// Smallest gap of all contacts, if there are any.
     pub smallest_gap: Option<f64>,
-    /// Newton corrections of the step, or of its last part if it was divided.
+    /// Newton corrections of the step, or of its last substep if it was divided.
     pub newton_iterations: usize,
     /// Iterations of the linear solver in these corrections.
     pub linear_iterations: usize,
     /// Last relative residual of Newton's method ([`algebra::NewtonReport::residual_history`]).
     pub residual: f64,
-    /// Whether the step was taken in parts, because it failed as a whole or bodies were close to each other.
+    /// Whether the step was divided into substeps, because it failed as a whole or bodies were close to each other.
     pub is_divided: bool,
     /// Whether any contact is active.
     pub in_contact: bool,

@@ -15,7 +15,7 @@ pub fn mirror<const D: usize>(setup: &Setup<D>) -> Option<f64> {
     Some(fluid.background.vertex(fluid.background.facet(facet)[0])[0])
 }
 
-/// Returns the edges of a body, without those on the plane of symmetry.
+/// Returns the edges of a planar body, without those on the plane of symmetry.
 pub fn outline<const D: usize>(body: &dyn Body<D>, positions: &[Point<D>], mirror: Option<f64>) -> Vec<[[f64; 2]; 2]> {
     let on_plane = |x: &[f64; 2]| mirror.is_some_and(|plane| (x[0] - plane).abs() < 1e-9);
     let boundary = body.surface();

@@ -32,11 +32,7 @@ impl Raster {
         let mut found = vec![None; self.n[0] * self.n[1]];
         for (part, polygon) in io::vtk::fluid::fluid_polygons(background, &fluid.cut) {
             let simplex = background.simplex(fluid.cut.part_cell(part));
-            let dofs = fluid.space.dofs(part);
-            let velocity = |x: &Point<D>| -> Vector<D> {
-                let shape = simplex.barycentric(x).unwrap_or_default();
-                dofs.iter().zip(shape).map(|(&k, n)| fluid.velocity[k as usize] * n).sum()
-            };
+            let velocity = |x: &Point<D>| fluid.at(part, &simplex.barycentric(x).unwrap_or_default()).0;
             let corners: Vec<_> = polygon.iter().map(|x| ([x[0], x[1]], velocity(x))).collect();
             for k in 2..corners.len() {
                 let triangle = [corners[0], corners[k - 1], corners[k]];

@@ -10,7 +10,7 @@ use crate::modes::{Spin, mode, n_modes, spin_velocity};
 use crate::terms::{Momentum, VariableGravity};
 use crate::{Error, MassProperties, RigidMotion};
 
-/// Relative difference below which two times are equal.
+/// Relative difference below which two times are treated as equal.
 const ROUND_OFF: f64 = 1e-9;
 
 /// A given velocity of the centre, without rotation, until a body is released.
@@ -166,8 +166,8 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         let of_modes = (0..n_modes(D)).map(|mode| if mode < D { rounding } else { turning });
         layout.set_rounding(whole, &of_modes.collect::<Vec<_>>());
         let [shifted, end] = &time.weights.shifted;
-        // The end is exact for the spin at the start, and linear in the velocities around it. Without inertia that spin
-        // predicts nothing.
+        // Positions at the end are linearised about the spin at the start. Without inertia the spin at the start does
+        // not approximate that of the step, and zero is used.
         let has_inertia = time.weights.stage_acceleration != Row::default();
         let spin = if has_inertia { motion.spin } else { [0.0; 3] };
         let velocities = geometry.iter().map(|x| spin_velocity(&spin, &(x - centre)));

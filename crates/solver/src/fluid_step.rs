@@ -288,8 +288,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         self.end_films(layout, constraints);
     }
 
-    /// Prescribes the pressure where films end at open boundaries: minus the given normal traction. Without it the flux
-    /// along the film would be zero there, the natural condition of this term, which does not contain the traction.
+    /// Prescribes the pressure where films end at open boundaries: minus the given normal traction. The film term does
+    /// not contain this traction. Its natural condition is zero flux, which would close the end of the film.
     fn end_films(&self, layout: &BlockLayout, constraints: &mut Constraints) {
         let (Some(films), background) = (&self.films, &self.setup.background) else { return };
         for piece in self.cut.boundary().iter().filter(|piece| films.of(piece.part).is_some()) {
@@ -335,11 +335,11 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         KineticProducts::new(self.setup.material.density, &self.cut, &self.space, &self.parts, [velocity, acceleration])
     }
 
-    /// Returns the energy that the time scheme does not increase ([`algebra::time::Weights::of_energy`]), on the
-    /// geometry of the step: of the transferred fields, and of the start.
+    /// Returns two values of the energy of the scheme ([`algebra::time::Weights::of_energy`]) at the start of the step,
+    /// on the geometry of the step: with the transferred acceleration, and with the acceleration at the end in place of
+    /// an unknown one.
     ///
-    /// The two differ only if the acceleration at the start is unknown, as in the first step; it is then set to that at
-    /// the end.
+    /// Both are equal unless the acceleration at the start is unknown, as in the first step.
     pub(crate) fn scheme_energies(&self, layout: &BlockLayout, x: &[f64]) -> [f64; 2] {
         let start = &self.start;
         let energy =

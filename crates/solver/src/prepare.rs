@@ -14,7 +14,7 @@ use crate::fluid_step::FluidStep;
 use crate::passage::passage;
 use crate::{Contact, Error, Setup, State, StepSeconds};
 
-/// A whole step of the setup, or a substep of one that is divided.
+/// Portion of a step of the setup that one call of [`crate::advance`] takes: all of it, or a substep of a divided one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Substep {
     /// Length, a time.

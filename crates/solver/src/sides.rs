@@ -22,7 +22,7 @@ pub struct SideForce<const D: usize> {
 }
 
 impl<const D: usize> SideForce<D> {
-    /// Returns the force zero.
+    /// Returns a zero force.
     fn zero() -> Self {
         Self { force: Vector::zeros(), first_moment: Tensor::zeros() }
     }

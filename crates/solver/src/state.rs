@@ -2,7 +2,7 @@
 
 use algebra::time::{Level, Weights};
 use body::{BodyState, StepTime};
-use cutcell::CutMesh;
+use cutcell::{CutMesh, PartId};
 use mesh::{Point, Vector};
 use xfem_space::{PartValues, XfemSpace};
 
@@ -45,6 +45,14 @@ pub struct FluidState<const D: usize> {
     pub pressure_time: f64,
     /// Products of velocity and acceleration on this geometry.
     pub(crate) products: KineticProducts,
+}
+
+impl<const D: usize> FluidState<D> {
+    /// Returns velocity and pressure at a point of a part with the given shape values.
+    pub fn at(&self, part: PartId, shape: &[f64]) -> (Vector<D>, f64) {
+        let dofs = self.space.dofs(part).iter().map(|dof| *dof as usize).zip(shape);
+        dofs.fold((Vector::zeros(), 0.0), |(u, p), (k, n)| (u + self.velocity[k] * *n, p + self.pressure[k] * *n))
+    }
 }
 
 /// `1/2 (ρ u, u)`, `(ρ u, a)` and `1/2 (ρ a, a)` of velocity and acceleration of the fluid.

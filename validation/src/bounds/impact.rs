@@ -9,7 +9,7 @@ use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SupportKind};
 
 use crate::outcome::Failure;
 use crate::verify::dry::{Scheme, elastic, floor, run};
-use crate::verify::run::{Run, V};
+use crate::verify::run::{DirectRun, V};
 
 /// Radius, cm.
 const RADIUS: f64 = 4.0;
@@ -41,7 +41,7 @@ pub(crate) struct Impact {
 }
 
 /// Creates the run of the disk above the plane: one half of it, by symmetry.
-fn start(size: f64, speed: f64, dt: f64, scheme: Scheme) -> Result<Run, Failure> {
+fn start(size: f64, speed: f64, dt: f64, scheme: Scheme) -> Result<DirectRun, Failure> {
     let mesh = half_ball([0.0, RADIUS], RADIUS, size, &BallOptions { area_preserving: false })?;
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
     let mut body = elastic(mesh, 1.0, material, V::zeros(), scheme)?;
@@ -57,9 +57,9 @@ fn start(size: f64, speed: f64, dt: f64, scheme: Scheme) -> Result<Run, Failure>
 /// A step fails, or the disk does not leave the plane.
 pub(crate) fn impact(size: f64, speed: f64, dt: f64, scheme: Scheme) -> Result<Impact, Failure> {
     let mut run = start(size, speed, dt, scheme)?;
-    let balance = |run: &Run| run.setup.bodies[0].balance(&run.state.bodies[0]).ok_or("the disk is elastic");
+    let balance = |run: &DirectRun| run.setup.bodies[0].balance(&run.state.bodies[0]).ok_or("the disk is elastic");
     let height =
-        |run: &Run| Aabb::of_points(&run.state.bodies[0].positions(run.setup.bodies[0].reference())).extent()[1];
+        |run: &DirectRun| Aabb::of_points(&run.state.bodies[0].positions(run.setup.bodies[0].reference())).extent()[1];
     let before = balance(&run)?;
     let (mut first, mut last) = (None, 0.0);
     let (mut smallest_height, mut elastic_peak) = (height(&run), 0.0_f64);

@@ -2,7 +2,7 @@
 
 use crate::units::cgs;
 use cutwater::io::vtk::fluid::{curl, fluid_polygons};
-use cutwater::mesh::{SimplexMesh, Vector, VertexId};
+use cutwater::mesh::{SimplexMesh, VertexId};
 use cutwater::report::plane::{barycentric, outline};
 use cutwater::solver::{FluidState, StepView};
 
@@ -24,7 +24,7 @@ const VECTOR: &str = "fill=\"none\" stroke=\"#282c34\" stroke-width=\"0.8\" stro
 
 /// A corner of a triangle of the fluid.
 #[derive(Clone, Copy)]
-struct Corner {
+struct ShownCorner {
     x: [f64; 2],
     velocity: [f64; 2],
     vorticity: f64,
@@ -70,7 +70,7 @@ pub(super) fn draw<const D: usize>(view: &StepView<'_, D>, leading: usize, mirro
 }
 
 /// Draws velocity vectors on a lattice; returns the largest speed among them.
-fn vectors(shown: &mut View, triangles: &[[Corner; 3]], low: [f64; 2], high: [f64; 2]) -> f64 {
+fn vectors(shown: &mut View, triangles: &[[ShownCorner; 3]], low: [f64; 2], high: [f64; 2]) -> f64 {
     let spacing = shown.length(SPACING);
     let mut found = Vec::new();
     for triangle in triangles {
@@ -105,7 +105,7 @@ fn vectors(shown: &mut View, triangles: &[[Corner; 3]], low: [f64; 2], high: [f6
 
 /// Returns the triangles that fill the fluid. The polygons of cut cells end at the bodies, so no value is taken outside
 /// the fluid.
-fn triangles<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidState<D>) -> Vec<[Corner; 3]> {
+fn triangles<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidState<D>) -> Vec<[ShownCorner; 3]> {
     let vorticity = nodal_vorticity(background, fluid);
     let mut triangles = Vec::new();
     for (part, polygon) in fluid_polygons(background, &fluid.cut) {
@@ -114,9 +114,9 @@ fn triangles<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidState<D>)
         let corners: Vec<_> = (polygon.iter())
             .map(|x| {
                 let shape = simplex.barycentric(x).unwrap_or_default();
-                let u: Vector<D> = dofs.iter().zip(shape).map(|(&k, n)| fluid.velocity[k as usize] * n).sum();
+                let (u, _) = fluid.at(part, &shape);
                 let vorticity = dofs.iter().zip(shape).map(|(&k, n)| vorticity[k as usize] * n).sum();
-                Corner { x: [x[0], x[1]], velocity: [u[0], u[1]], vorticity }
+                ShownCorner { x: [x[0], x[1]], velocity: [u[0], u[1]], vorticity }
             })
             .collect();
         triangles.extend((2..corners.len()).map(|k| [0, k - 1, k].map(|i| corners[i])));

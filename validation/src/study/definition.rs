@@ -20,13 +20,13 @@ pub(super) struct Definition {
     /// Largest spread of speed and height over the coefficients, %.
     #[serde(default = "largest_spread")]
     pub(super) largest_spread: f64,
-    pub(super) series: Vec<Series>,
+    pub(super) series: Vec<StudySeries>,
 }
 
 /// Runs of one scenario with one number changed.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Series {
+pub(super) struct StudySeries {
     /// Name, unique in the study.
     pub(super) name: String,
     /// The varied quantity, with its unit.
@@ -56,7 +56,7 @@ fn largest_spread() -> f64 {
 
 impl Definition {
     /// Returns the changes of the scenario for a value of a series.
-    pub(super) fn changes(&self, series: &Series, value: f64) -> Vec<String> {
+    pub(super) fn changes(&self, series: &StudySeries, value: f64) -> Vec<String> {
         let vary = series.vary.iter().map(|(key, factor)| format!("{key}={:?}", factor * value));
         self.set.iter().chain(&series.set).cloned().chain(vary).collect()
     }
@@ -70,7 +70,7 @@ pub(crate) fn names() -> std::io::Result<Vec<String>> {
     case::stems(FOLDER)
 }
 
-impl Series {
+impl StudySeries {
     /// Returns the directory of a run, unique in the study.
     pub(super) fn stem(&self, k: usize) -> String {
         format!("{}-{}", self.name.replace(|c: char| !c.is_ascii_alphanumeric(), "-"), self.values[k])

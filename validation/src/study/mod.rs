@@ -9,7 +9,7 @@ use cutwater::io::{self, ScenarioFile, Summary};
 use cutwater::report::Results;
 
 pub(crate) use self::definition::names;
-use self::definition::{Definition, Series};
+use self::definition::{Definition, StudySeries};
 use self::limit::{Limit, richardson};
 use crate::bounds::potential::{arrival, gaps};
 use crate::case;
@@ -20,7 +20,7 @@ use crate::results;
 use crate::stored::{CHECKPOINTS, StoredRun};
 use crate::table::short;
 use crate::units::cgs;
-use crate::verify::record::{Record, Table, worse};
+use crate::verify::record::{Record, TextTable, worse};
 use crate::verify::{document, missed};
 use crate::workers;
 
@@ -181,7 +181,7 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<StudyRun>]) -> Record
     }
     if !limits.is_empty() {
         let head = ["series", "quantity", "limit", "observed order", "differences shrink"];
-        record.tables.push(Table { head: head.map(str::to_owned).into(), rows: limits });
+        record.tables.push(TextTable { head: head.map(str::to_owned).into(), rows: limits });
     }
     let summaries: Vec<&Summary> = runs.iter().flatten().map(|run| &run.summary).collect();
     results::add_energies(&summaries, &mut record);
@@ -200,13 +200,13 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<StudyRun>]) -> Record
     }
     let rows = all().flat_map(|(series, runs)| runs.iter().map(|run| [vec![series.name.clone()], row(run)].concat()));
     let head = ["series"].iter().chain(&HEAD).map(|name| cgs(name)).collect();
-    record.tables.push(Table { head, rows: rows.collect() });
+    record.tables.push(TextTable { head, rows: rows.collect() });
     record.notes.clone_from(&definition.note);
     // Series that vary the same quantity share their charts. Two values of a coefficient make no curve.
-    let pairs: Vec<(&Series, &Vec<StudyRun>)> = all().filter(|(series, _)| !series.coefficient).collect();
+    let pairs: Vec<(&StudySeries, &Vec<StudyRun>)> = all().filter(|(series, _)| !series.coefficient).collect();
     for group in pairs.chunk_by(|a, b| a.0.parameter == b.0.parameter) {
         let mut chart = |title: &str, value: &dyn Fn(&StudyRun) -> Option<f64>| {
-            let curve = |(series, runs): &(&Series, &Vec<StudyRun>)| {
+            let curve = |(series, runs): &(&StudySeries, &Vec<StudyRun>)| {
                 let mut points: Vec<_> = runs.iter().filter_map(|run| Some((run.value, value(run)?))).collect();
                 points.sort_by(|a, b| a.0.total_cmp(&b.0));
                 (series.name.clone(), points)
@@ -240,7 +240,7 @@ const QUANTITIES: [Quantity; 4] = [
 
 /// Adds the limits of a series: rows of a table, and verdicts on contact before that in an ideal fluid, on orders and
 /// on uncertainties.
-fn add_limits(series: &Series, runs: &[StudyRun], record: &mut Record, table: &mut Vec<Vec<String>>) {
+fn add_limits(series: &StudySeries, runs: &[StudyRun], record: &mut Record, table: &mut Vec<Vec<String>>) {
     let name = &series.name;
     let contacts = || runs.iter().map(|run| run.summary.contact_time.unwrap_or(f64::NAN));
     let earliest = -contacts().map(|time| -time).fold(f64::NEG_INFINITY, worse);

@@ -8,7 +8,7 @@ use cutwater::solid_rigid::RigidBody;
 use cutwater::solver::Setup;
 
 use super::flow::fluid_mut;
-use super::{Failure, Record, Run, short};
+use super::{DirectRun, Failure, Record, short};
 use crate::case::scenario_path;
 use crate::units::cgs;
 
@@ -96,7 +96,7 @@ fn velocity(dt: f64, time: Option<f64>) -> Result<f64, Failure> {
     let mut case = case::<2>(&ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?)?;
     make_rigid(&mut case.setup)?;
     fluid_mut(&mut case.setup)?.stabilisation.time = time;
-    let mut run = Run::lagged(case.setup)?;
+    let mut run = DirectRun::lagged(case.setup)?;
     for _ in 0..case.n_steps {
         run.advance()?;
     }
@@ -117,7 +117,7 @@ fn acceleration(h: f64, is_rigid: bool, n_steps: usize, of: &str) -> Result<f64,
     if is_rigid {
         make_rigid(&mut case.setup)?;
     }
-    let mut run = Run::lagged(case.setup)?;
+    let mut run = DirectRun::lagged(case.setup)?;
     let mut report = run.advance()?;
     for _ in 1..n_steps {
         report = run.advance()?;

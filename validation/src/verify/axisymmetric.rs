@@ -13,11 +13,11 @@ use cutwater::solver::body::{Body, PrescribedBody, TimeField};
 use cutwater::solver::{ConvectionForm, FluidBoundary, Setup, StepReport};
 
 use super::dry::{self, Elastic, Scheme, elastic, pushed, second_order};
-use super::flow::{Errors, Flow, Known, boundary, fluid, fluid_mut, force, problem};
+use super::flow::{Errors, Flow, KnownFlow, boundary, fluid, fluid_mut, force, problem};
 use super::mode::frequency_of;
 use super::orders::{Measured, ORDERS, in_space};
 use super::signal::passage;
-use super::{Failure, P, Record, Run, T, V};
+use super::{DirectRun, Failure, P, Record, T, V};
 
 /// Largest relative error of the drag on the finest mesh of the Stokes flow.
 const DRAG: f64 = 0.005;
@@ -172,7 +172,7 @@ impl Flow for Hill {
 
 /// Solves for a known steady flow around a sphere at rest in the mesh, on squares of size `1/n`. Returns the force on
 /// the sphere along the axis too.
-fn known_flow<F: Flow>(known: &Known<F>, n: usize) -> Result<(Errors, f64), Failure> {
+fn known_flow<F: Flow>(known: &KnownFlow<F>, n: usize) -> Result<(Errors, f64), Failure> {
     let background = structured_box::<2>([0.0, -1.0], [1.0, 1.0], [n, 2 * n])?;
     let mut setup = known.setup(background.with_coordinates(Coordinates::Axisymmetric)?, 1e9);
     let left = fluid_mut(&mut setup)?.background.tag("left");
@@ -180,14 +180,14 @@ fn known_flow<F: Flow>(known: &Known<F>, n: usize) -> Result<(Errors, f64), Fail
         *condition = FluidBoundary::symmetry(0);
     }
     setup.bodies.push(moving(sphere(0.0, RADIUS, 1.0 / n as f64), |x, _| *x, known.velocity()));
-    let mut run = Run::new(setup)?;
+    let mut run = DirectRun::new(setup)?;
     let report = run.advance()?;
     let force = force(&run.state, &report, 0, &P::zeros())?.0[1];
     Ok((known.errors(&run.setup, &run.state)?, force))
 }
 
 fn stokes(n: usize) -> Result<Measured, Failure> {
-    let known = Known { flow: Arc::new(Stokes), density: 1.0, viscosity: 1.0, convects: false, open: &[] };
+    let known = KnownFlow { flow: Arc::new(Stokes), density: 1.0, viscosity: 1.0, convects: false, open: &[] };
     let (errors, force) = known_flow(&known, n)?;
     Ok((errors, Some((force / (-6.0 * PI * RADIUS) - 1.0).abs())))
 }
@@ -195,7 +195,7 @@ fn stokes(n: usize) -> Result<Measured, Failure> {
 fn hill(n: usize) -> Result<Measured, Failure> {
     let (density, viscosity) = (1.0, 0.05);
     let flow = Arc::new(Hill { density, viscosity });
-    let (errors, _) = known_flow(&Known { flow, density, viscosity, convects: true, open: &[] }, n)?;
+    let (errors, _) = known_flow(&KnownFlow { flow, density, viscosity, convects: true, open: &[] }, n)?;
     Ok((errors, None))
 }
 
@@ -212,7 +212,7 @@ fn tube(record: &mut Record) -> Result<(), Failure> {
         let h = 1.0 / *cells as f64;
         let mut setup = slow(background, 0.31 * h, |_| FluidBoundary::NoSlip)?;
         setup.bodies.push(moving(sphere(0.0, 1.0, h), |x, t| x + V::new(0.0, t), Arc::new(|_, _| V::new(0.0, 1.0))));
-        let mut run = Run::new(setup)?;
+        let mut run = DirectRun::new(setup)?;
         let mut drags = Vec::new();
         for _ in 0..5 {
             let report = run.advance()?;
@@ -247,7 +247,7 @@ fn wall(record: &mut Record) -> Result<(), Failure> {
         let mut setup = slow(background, 1e-3 * h, on_side)?;
         let velocity = Arc::new(|_: &P, _| V::new(0.0, -1.0));
         setup.bodies.push(moving(sphere(1.0 + gap, 1.0, h), |x, t| x - V::new(0.0, t), velocity));
-        let mut run = Run::new(setup)?;
+        let mut run = DirectRun::new(setup)?;
         let report = run.advance()?;
         let drag = force(&run.state, &report, 0, &P::zeros())?.0[1] / (6.0 * PI);
         record.near_relative(
@@ -288,7 +288,7 @@ fn added_mass(record: &mut Record) -> Result<(), Failure> {
         let body = RigidBody::new("sphere", surface, corners, DENSITY, V::new(0.0, -1.0))?;
         let volume = body.mass.mass / DENSITY;
         setup.bodies.push(Arc::new(body));
-        let mut run = Run::new(setup)?;
+        let mut run = DirectRun::new(setup)?;
         let report = run.advance()?;
         let momentum = report.bodies[0].balance.ok_or("no mass")?.momentum[1];
         // Mass times gravity over acceleration, less the mass.
@@ -330,7 +330,7 @@ fn wake(record: &mut Record) -> Result<(), Failure> {
     fluid.convection = Some(ConvectionForm::Standard);
     fluid.initial_velocity = Some(Arc::new(|_| V::new(0.0, 1.0)));
     setup.bodies.push(moving(sphere(0.0, 1.0, h), |x, _| *x, Arc::new(|_, _| V::zeros())));
-    let mut run = Run::lagged(setup)?;
+    let mut run = DirectRun::lagged(setup)?;
     let mut drag = 0.0_f64;
     for step in 0.. {
         let report = run.advance()?;
@@ -397,7 +397,7 @@ fn modes(record: &mut Record) -> Result<(), Failure> {
 }
 
 /// Returns the run of an elastic ball that is pressed on a rigid plane, n by n squares in its lower half.
-fn pressed_ball(n: usize, form: ContactForm<2>) -> Result<(Run, StepReport<2>), Failure> {
+fn pressed_ball(n: usize, form: ContactForm<2>) -> Result<(DirectRun, StepReport<2>), Failure> {
     // The lower half of the ball, graded towards its lowest point.
     let graded = |s: f64| (4.0 * s).sinh() / 4.0_f64.sinh();
     let map = |x: &P| {

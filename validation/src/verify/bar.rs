@@ -10,7 +10,7 @@ use std::sync::Arc;
 use cutwater::algebra::time::ImplicitEuler;
 
 use self::history::{
-    Advance, BOUNCES, BarHistory, Contact, GRAVITY, HEIGHT, HEIGHTS, IMPACT, LENGTH, MIDDLE, PENALTY, PERIOD, WAVE,
+    Advance, BOUNCES, BarContact, BarHistory, GRAVITY, HEIGHT, HEIGHTS, IMPACT, LENGTH, MIDDLE, PENALTY, PERIOD, WAVE,
     exact_pressure, history,
 };
 use super::dry::{Scheme, second_order};
@@ -80,7 +80,7 @@ fn contacts(record: &mut Record, n: usize, method: &Method, most: &mut Late) -> 
         ("second bounce", &bounce, &BOUNCES[1], false),
     ] {
         let what = format!("{n} cells, {name}, {what}");
-        let Contact { times, touching, pressure, deviation, oscillation } = history.contact(exact);
+        let BarContact { times, touching, pressure, deviation, oscillation } = history.contact(exact);
         for (k, event) in ["begins", "ends"].into_iter().enumerate() {
             late = times[k] - exact.times[k];
             let most_of_event = if is_first { &mut most.first } else { &mut most.second };

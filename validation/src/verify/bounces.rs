@@ -8,7 +8,7 @@ use cutwater::io::{Case, ScenarioFile, Watch};
 use cutwater::report::Results;
 use cutwater::solver::{Observer, ObserverError, StepView};
 
-use super::record::{Points, Table};
+use super::record::{Points, TextTable};
 use super::{Failure, Record};
 use crate::case::example_path;
 use crate::stored::{CHECKPOINTS, StoredRun};
@@ -238,8 +238,8 @@ pub(super) fn legendre(number: f64) -> f64 {
 }
 
 /// Returns a table of inputs: quantity, value and source of each.
-pub(super) fn inputs(rows: &[[&str; 3]]) -> Table {
-    Table {
+pub(super) fn inputs(rows: &[[&str; 3]]) -> TextTable {
+    TextTable {
         head: ["input", "value", "source"].map(str::to_owned).to_vec(),
         rows: rows.iter().map(|row| row.map(str::to_owned).to_vec()).collect(),
     }

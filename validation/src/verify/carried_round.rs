@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use cutwater::solver::body::Balance;
 
-use super::example::{Example, History};
+use super::example::{Example, ExampleHistory};
 use super::record::worse;
 use super::signal::range;
 use super::{Failure, P, Record, V, short};
@@ -92,7 +92,7 @@ type BalanceNumber = fn(&Balance<2>) -> f64;
 
 /// Returns the largest value of a number after some revolutions over the least one, minus 1. The last revolution ends
 /// the run.
-fn change(history: &History, revolutions: RangeInclusive<usize>, number: BalanceNumber) -> f64 {
+fn change(history: &ExampleHistory, revolutions: RangeInclusive<usize>, number: BalanceNumber) -> f64 {
     let curve = history.of_body(0, number);
     let n_steps = curve.len() - 1;
     let values = revolutions.clone().map(|k| curve[k * n_steps / revolutions.end()].1);
@@ -119,7 +119,7 @@ fn difference(a: &[P], b: &[P]) -> f64 {
 }
 
 /// Returns the angle by which the centre of the strip has turned about the axis, in steps below half a revolution.
-fn angle(history: &History) -> f64 {
+fn angle(history: &ExampleHistory) -> f64 {
     let centres = history.balances.iter().map(|balances| balances[0].centre_of_mass);
     let centres: Vec<P> = centres.collect();
     let turn = |w: &[P]| (w[0][0] * w[1][1] - w[0][1] * w[1][0]).atan2(w[0].dot(&w[1]));

@@ -1,6 +1,6 @@
 //! Steady flow past the rigid flag of the Turek-Hron benchmark.
 
-use super::channel::{Channel, Resolution};
+use super::channel::{Channel, ChannelResolution};
 use super::{Failure, Record};
 
 /// Benchmarks CFD1 and CFD2 of Turek and Hron 2006, doi:10.1007/3-540-34596-5_15: mean speed, m/s, drag and lift, N/m.
@@ -18,7 +18,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         let channel = Channel { length: 2.5, density: 1e3, viscosity: 1.0, speed, has_flag: true };
         let mut errors: [Vec<(f64, f64)>; 2] = Default::default();
         for &cells in meshes {
-            let resolution = Resolution::new(cells);
+            let resolution = ChannelResolution::new(cells);
             let flow = channel.steady(&resolution)?;
             let name = format!("{case}, h = D/{cells}");
             record.show(format!("{name}: unknowns"), flow.n_dofs as f64, None);

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use cutwater::algebra::NewtonSettings;
 use cutwater::solver::body::PointField;
 
-use super::channel::{Channel, RADIUS, Resolution, step_with_force, velocity_at};
+use super::channel::{Channel, ChannelResolution, RADIUS, step_with_force, velocity_at};
 use super::dry::second_order;
 use super::flow::fluid_mut;
 use super::record::Points;
 use super::signal::{is_steady, last_cycles, mean_and_amplitude, rises};
-use super::{Failure, Record, Run, short};
+use super::{DirectRun, Failure, Record, short};
 
 /// The channel of CFD1 and CFD2, with a mean speed of 2 m/s.
 const CHANNEL: Channel = Channel { length: 2.5, density: 1e3, viscosity: 1.0, speed: 2.0, has_flag: true };
@@ -53,7 +53,7 @@ struct CfdSignals {
 
 impl CfdSignals {
     /// Takes a step and adds the force at its stage.
-    fn advance(&mut self, run: &mut Run) -> Result<(), Failure> {
+    fn advance(&mut self, run: &mut DirectRun) -> Result<(), Failure> {
         let (time, force) = step_with_force(run)?;
         self.drag.push((time, force[0]));
         self.lift.push((time, force[1]));
@@ -102,11 +102,11 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 }
 
 /// Returns the run of a resolution.
-fn run((cells, dt): (usize, f64), start: PointField<2>) -> Result<Run, Failure> {
-    let mut setup = CHANNEL.setup(&Resolution { swing: RADIUS, ..Resolution::new(cells) }, |_| 1.0)?;
+fn run((cells, dt): (usize, f64), start: PointField<2>) -> Result<DirectRun, Failure> {
+    let mut setup = CHANNEL.setup(&ChannelResolution { swing: RADIUS, ..ChannelResolution::new(cells) }, |_| 1.0)?;
     (setup.scheme, setup.dt, setup.newton) = (second_order(RHO_INF)?, dt, NewtonSettings::new(TOLERANCE));
     fluid_mut(&mut setup)?.initial_velocity = Some(start);
-    Run::lagged(setup)
+    DirectRun::lagged(setup)
 }
 
 /// Returns the name of a resolution.
@@ -137,7 +137,7 @@ fn periodic(record: &mut Record) -> Result<(), Failure> {
         }
         drags.push((name.clone(), signals.last_cycles(&signals.drag)));
         lifts.push((name, signals.last_cycles(&signals.lift)));
-        let Run { setup, state, .. } = run;
+        let DirectRun { setup, state, .. } = run;
         start = Arc::new(move |x| velocity_at(&setup, &state, x));
     }
     record.note(format!(

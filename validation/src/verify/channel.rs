@@ -8,7 +8,7 @@ use cutwater::mesh::generate::{Region, RegionShape, Size, refined_box};
 use cutwater::solver::{ConvectionForm, FluidBoundary, Setup, State};
 
 use super::flow::{self, fluid_of, force, interface, polygon, wet};
-use super::{Failure, P, Run, V};
+use super::{DirectRun, Failure, P, V};
 
 // Height of the channel; centre and radius of the cylinder, m.
 const HEIGHT: f64 = 0.41;
@@ -46,7 +46,7 @@ pub(super) struct Channel {
 
 /// Resolution of the obstacle and of the fluid.
 #[derive(Clone, Copy)]
-pub(super) struct Resolution {
+pub(super) struct ChannelResolution {
     /// Cells in a diameter of the cylinder.
     pub(super) cells: usize,
     /// Size of cells far away over that at the obstacle.
@@ -58,7 +58,7 @@ pub(super) struct Resolution {
     pub(super) swing: f64,
 }
 
-impl Resolution {
+impl ChannelResolution {
     pub(super) fn new(cells: usize) -> Self {
         Self { cells, coarse: COARSE, n_corners: N_CORNERS, swing: 0.0 }
     }
@@ -88,8 +88,8 @@ impl Channel {
     ///
     /// # Errors
     /// The flow still changes after many steps.
-    pub(super) fn steady(&self, resolution: &Resolution) -> Result<Steady, Failure> {
-        let mut run = Run::lagged(self.setup(resolution, |_| 1.0)?)?;
+    pub(super) fn steady(&self, resolution: &ChannelResolution) -> Result<Steady, Failure> {
+        let mut run = DirectRun::lagged(self.setup(resolution, |_| 1.0)?)?;
         let (mut before, mut n_iterations) = (V::zeros(), 0);
         for n_steps in 1..=MOST_STEPS {
             let report = run.advance()?;
@@ -98,7 +98,7 @@ impl Channel {
             if (force - before).norm() <= UNCHANGED * force.norm() {
                 let pieces = interface(&run.state, &report)?;
                 let by_traction = pieces.map(|(piece, on_piece)| on_piece.fluid * piece.measure).sum();
-                let Run { setup, state, .. } = run;
+                let DirectRun { setup, state, .. } = run;
                 return Ok(Steady { setup, state, n_dofs: report.n_dofs, n_steps, n_iterations, force, by_traction });
             }
             before = force;
@@ -124,7 +124,7 @@ impl Channel {
     }
 
     /// Returns the setup of the flow from rest, in one long step. A function of time multiplies the inflow.
-    pub(super) fn setup(&self, resolution: &Resolution, factor: fn(f64) -> f64) -> Result<Setup<2>, Failure> {
+    pub(super) fn setup(&self, resolution: &ChannelResolution, factor: fn(f64) -> f64) -> Result<Setup<2>, Failure> {
         let mut fluid = flow::fluid(self.background(resolution)?, self.density, self.viscosity);
         fluid.convection = Some(ConvectionForm::Standard);
         let channel = *self;
@@ -168,7 +168,7 @@ impl Channel {
 
     /// Returns the mesh of the channel. The size of cells grows in proportion to the distance from the centre of the
     /// cylinder, and from the flag as fast.
-    fn background(&self, resolution: &Resolution) -> Result<SimplexMesh<2>, Failure> {
+    fn background(&self, resolution: &ChannelResolution) -> Result<SimplexMesh<2>, Failure> {
         let h = resolution.h();
         let near = |from: [f64; 2], to: [f64; 2], within: f64, size: f64| Region {
             shape: RegionShape::Segment { ends: [from.into(), to.into()], within },
@@ -191,7 +191,7 @@ impl Channel {
 }
 
 /// Takes a step. Returns the force on the first body, and the time of the stage, at which it acts.
-pub(super) fn step_with_force(run: &mut Run) -> Result<(f64, V), Failure> {
+pub(super) fn step_with_force(run: &mut DirectRun) -> Result<(f64, V), Failure> {
     let report = run.advance()?;
     let (force, _) = force(&run.state, &report, 0, &P::zeros())?;
     Ok((wet(&run.state)?.pressure_time, force))
@@ -205,12 +205,7 @@ pub(super) fn at(setup: &Setup<2>, state: &State<2>, x: &P) -> Result<(V, f64), 
     const OUTSIDE: &str = "the point is outside of the fluid";
     let fluid = wet(state)?;
     let (cell, shape) = fluid_of(setup)?.background.cell_index().locate(x).ok_or(OUTSIDE)?;
-    let dofs = fluid.space.dofs(fluid.cut.parts(cell).next().ok_or(OUTSIDE)?);
-    let sum = |velocity_and_pressure: (V, f64), (&k, n): (&u32, f64)| {
-        let k = k as usize;
-        (velocity_and_pressure.0 + fluid.velocity[k] * n, velocity_and_pressure.1 + fluid.pressure[k] * n)
-    };
-    Ok(dofs.iter().zip(shape).fold((V::zeros(), 0.0), sum))
+    Ok(fluid.at(fluid.cut.parts(cell).next().ok_or(OUTSIDE)?, &shape))
 }
 
 /// Returns the velocity of a state at a point; zero outside of the fluid.

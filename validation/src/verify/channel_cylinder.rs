@@ -9,7 +9,7 @@ use cutwater::solver::{FluidBoundary, Setup, Stabilisation};
 
 use super::flow::{disk, fluid_mut, force, polygon, wet_report};
 use super::linear_flow::still;
-use super::{Failure, P, Record, Run, V};
+use super::{DirectRun, Failure, P, Record, V};
 
 /// Diameter of the cylinder over the height of the channel.
 const BLOCKAGE: f64 = 0.3;
@@ -67,7 +67,7 @@ fn exact_drag() -> f64 {
 fn drag(cells: usize, set: Stabilisation) -> Result<(f64, f64, f64), Failure> {
     let mut setup = setup(cells)?;
     fluid_mut(&mut setup)?.stabilisation = set;
-    let mut run = Run::new(setup)?;
+    let mut run = DirectRun::new(setup)?;
     let (mut drags, mut leak) = (Vec::new(), 0.0_f64);
     for _ in 0..N_STEPS {
         let report = run.advance()?;

@@ -10,9 +10,9 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::SplitMix64;
 
 use super::flow::{fluid_mut, fluid_of, polygon_of_particles, wet, wet_report};
-use super::linear_flow::{Linear, SIZE, background, nonagon};
+use super::linear_flow::{LinearFlow, SIZE, background, nonagon};
 use super::record::{Named, worse};
-use super::{Failure, P, Record, Run, T, V};
+use super::{DirectRun, Failure, P, Record, T, V};
 
 const STEPS: usize = 6;
 const DT: f64 = 0.02;
@@ -97,7 +97,7 @@ struct SweptErrors {
 
 /// Moves a body of given motion through a box with cells of size `h` that is open at the top.
 fn displaced(corners: Vec<P>, motion: BodyMotion, h: f64) -> Result<SweptErrors, Failure> {
-    let known = Linear::at_rest(V::zeros()).known(0.05, &["top"]);
+    let known = LinearFlow::at_rest(V::zeros()).known(0.05, &["top"]);
     let mut setup = known.setup(background(h)?, DT);
     for (_, condition) in &mut fluid_mut(&mut setup)?.boundary {
         if matches!(condition, FluidBoundary::Velocity(_)) {
@@ -106,7 +106,7 @@ fn displaced(corners: Vec<P>, motion: BodyMotion, h: f64) -> Result<SweptErrors,
     }
     let velocity = Arc::new(move |x: &P, [t, _]: [f64; 2]| motion.velocity(x, t));
     setup.bodies.push(polygon_of_particles(&[corners], move |x, t| motion.position(x, t), velocity));
-    let mut run = Run::new(setup)?;
+    let mut run = DirectRun::new(setup)?;
     let mut errors = SweptErrors { outflow: 0.0, area: 0.0, leak: 0.0 };
     let mut before: Option<(f64, f64)> = None;
     for _ in 0..STEPS {

@@ -16,7 +16,7 @@ use cutwater::solver::ContactObstacle;
 
 use super::dry::{Elastic, Touch, elastic, floor, pushed, run};
 use super::signal::bisect;
-use super::{Failure, Record, Run, V};
+use super::{DirectRun, Failure, Record, V};
 
 /// Both Lame parameters.
 const LAME: f64 = 50.0;
@@ -53,7 +53,7 @@ fn block(bottom: f64, n: usize, top: f64) -> Result<Elastic<2>, Failure> {
 
 /// Returns the deviation of force and displacement from the uniform state, relative to the pressure and the push, of
 /// blocks in a pile with the given bottoms, the highest one first and pushed.
-fn deviation(mut run: Run, bottoms: &[f64]) -> Result<[f64; 2], Failure> {
+fn deviation(mut run: DirectRun, bottoms: &[f64]) -> Result<[f64; 2], Failure> {
     let report = run.advance()?;
     let stretch = stretch(bottoms.len() as f64);
     let force = (report.contacts[0].force[1] - pressure(stretch)).abs() / pressure(stretch);

@@ -14,7 +14,7 @@ use cutwater::solid_svk::{LameParameters, Order, SaintVenantKirchhoff, SolidMesh
 
 use super::dry::{self, Scheme, elastic_of, second_order};
 use super::signal::{negative, peak, rises};
-use super::{Failure, P, Record, Run, V, short};
+use super::{DirectRun, Failure, P, Record, V, short};
 
 const LENGTH: f64 = 0.35;
 const THICKNESS: f64 = 0.02;
@@ -64,7 +64,7 @@ struct Flag {
 
 impl Flag {
     /// Creates the run of the flag under a given gravity.
-    fn run(self, gravity: f64, scheme: Scheme, dt: f64) -> Result<Run, Failure> {
+    fn run(self, gravity: f64, scheme: Scheme, dt: f64) -> Result<DirectRun, Failure> {
         let material = SaintVenantKirchhoff::new(LameParameters::new(self.mu, 4.0 * self.mu)?);
         let mut body = elastic_of(self.solid()?, DENSITY, material, V::new(0.0, -gravity), scheme)?;
         body.hold("left", SupportKind::Clamped)?;
@@ -140,7 +140,7 @@ fn moved(at: &P, is_fitted: bool) -> P {
 }
 
 /// Returns the displacement of the tip, where the two halves of the end meet.
-pub(super) fn displacement(run: &Run) -> Result<V, Failure> {
+pub(super) fn displacement(run: &DirectRun) -> Result<V, Failure> {
     let tip = P::from(TIP);
     let at =
         run.setup.bodies[0].reference().iter().position(|x| (x - tip).norm() < 1e-9).ok_or("no vertex at the tip")?;

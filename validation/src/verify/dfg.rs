@@ -1,6 +1,6 @@
 //! The steady DFG benchmark: drag, lift and pressure of a cylinder in a channel, at a Reynolds number of 20.
 
-use super::channel::{CENTRE, COARSE, Channel, N_CORNERS, RADIUS, Resolution, Steady, at, pressure_difference};
+use super::channel::{CENTRE, COARSE, Channel, ChannelResolution, N_CORNERS, RADIUS, Steady, at, pressure_difference};
 use super::{Failure, P, Record, short};
 
 /// Benchmark 2D-1 of Schäfer and Turek 1996.
@@ -23,7 +23,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let meshes = if record.full { &CELLS[..] } else { &CELLS[..3] };
     let mut errors: [Vec<(f64, f64)>; 3] = Default::default();
     for &cells in meshes {
-        let resolution = Resolution::new(cells);
+        let resolution = ChannelResolution::new(cells);
         let flow = CHANNEL.steady(&resolution)?;
         let (computed, relative) = (numbers(&flow)?, relative_errors(&flow)?);
         let name = format!("h = D/{cells}");
@@ -59,11 +59,12 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     record.show_order("pressure difference, relative error", "h", &errors[2]);
     record.log_figure("Relative errors", "h [m]", NAMES.into_iter().zip(errors).collect());
     if record.full {
-        let usual = Resolution::new(CELLS[2]);
+        let usual = ChannelResolution::new(CELLS[2]);
         let polygons = [32, 64, 128, 256, 1024];
         let backgrounds = [4.0, 16.0];
-        let polygons = polygons.map(|n| (format!("polygon of {n} corners"), Resolution { n_corners: n, ..usual }));
-        let backgrounds = backgrounds.map(|c| (format!("{c} h far away"), Resolution { coarse: c, ..usual }));
+        let polygons =
+            polygons.map(|n| (format!("polygon of {n} corners"), ChannelResolution { n_corners: n, ..usual }));
+        let backgrounds = backgrounds.map(|c| (format!("{c} h far away"), ChannelResolution { coarse: c, ..usual }));
         for (name, resolution) in polygons.into_iter().chain(backgrounds) {
             let errors = relative_errors(&CHANNEL.steady(&resolution)?)?;
             for (quantity, error) in NAMES.into_iter().zip(errors) {

@@ -7,12 +7,12 @@ use std::sync::Arc;
 use cutwater::algebra::NewtonSettings;
 use cutwater::solver::body::PointField;
 
-use super::channel::{Channel, RADIUS, Resolution, pressure_difference, step_with_force, velocity_at};
+use super::channel::{Channel, ChannelResolution, RADIUS, pressure_difference, step_with_force, velocity_at};
 use super::dry::second_order;
 use super::flow::fluid_mut;
 use super::record::Points;
 use super::signal::{is_steady, last_cycles, mean, passage, peak, rises};
-use super::{Failure, Record, Run, short};
+use super::{DirectRun, Failure, Record, short};
 
 /// Benchmarks 2D-2 and 2D-3 of Schäfer and Turek 1996. The largest mean speed of 2D-3 is the speed of 2D-2.
 const CHANNEL: Channel = Channel { length: 2.2, density: 1.0, viscosity: 1e-3, speed: 1.0, has_flag: false };
@@ -63,7 +63,7 @@ struct DfgSignals {
 
 impl DfgSignals {
     /// Takes a step and adds its values. Forces and pressures are those at the stage of the step.
-    fn advance(&mut self, run: &mut Run) -> Result<(), Failure> {
+    fn advance(&mut self, run: &mut DirectRun) -> Result<(), Failure> {
         let (time, force) = step_with_force(run)?;
         self.drag.push((time, CHANNEL.coefficient(force[0])));
         self.lift.push((time, CHANNEL.coefficient(force[1])));
@@ -125,11 +125,11 @@ fn name((cells, dt): (usize, f64)) -> String {
 }
 
 /// Returns the run of the flow with a factor on its inflow.
-fn run((cells, dt): (usize, f64), factor: fn(f64) -> f64, start: Option<PointField<2>>) -> Result<Run, Failure> {
-    let mut setup = CHANNEL.setup(&Resolution::new(cells), factor)?;
+fn run((cells, dt): (usize, f64), factor: fn(f64) -> f64, start: Option<PointField<2>>) -> Result<DirectRun, Failure> {
+    let mut setup = CHANNEL.setup(&ChannelResolution::new(cells), factor)?;
     (setup.scheme, setup.dt, setup.newton) = (second_order(RHO_INF)?, dt, NewtonSettings::new(TOLERANCE));
     fluid_mut(&mut setup)?.initial_velocity = start;
-    Run::lagged(setup)
+    DirectRun::lagged(setup)
 }
 
 /// Measures the periodic flow, 2D-2.
@@ -158,7 +158,7 @@ fn shedding(record: &mut Record, resolutions: &[(usize, f64)]) -> Result<(), Fai
         for (curves, curve) in curves.iter_mut().zip(signals.last_cycles()) {
             curves.push((name.clone(), curve));
         }
-        let Run { setup, state, .. } = run;
+        let DirectRun { setup, state, .. } = run;
         start = Arc::new(move |x| velocity_at(&setup, &state, x));
     }
     let [drag, lift] = curves;

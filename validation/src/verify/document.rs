@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use cutwater::report::html::duration;
 
 use super::missed::MISSED;
-use super::record::Row;
+use super::record::RecordRow;
 use super::{Failure, Record, short};
 use crate::chart::svg;
 use crate::report::{commit, git};
@@ -128,7 +128,7 @@ fn picture(folder: &str, record: &Record, k: usize) -> String {
 }
 
 fn markdown(folder: &str, record: &Record, command: &str, version: &str) -> String {
-    let is_missed = |row: &Row| !row.holds() || row.verdict == MISSED;
+    let is_missed = |row: &RecordRow| !row.holds() || row.verdict == MISSED;
     let failed = record.rows.iter().filter(|row| is_missed(row)).count();
     let verdict = match (record.rows.len(), failed) {
         (0, _) => String::new(),
@@ -171,20 +171,20 @@ fn cell(text: &str) -> String {
 }
 
 /// Returns the computed number and reference as texts.
-pub(super) fn numbers(row: &Row) -> [String; 2] {
+pub(super) fn numbers(row: &RecordRow) -> [String; 2] {
     [row.computed.map_or("not finite".to_owned(), short), row.reference.map_or("-".to_owned(), short)]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verify::record::Table;
+    use crate::verify::record::TextTable;
 
     #[test]
     fn a_page_has_all_parts_of_its_record() {
         let mut record = Record::new("x", "About x.", true);
         record.at_most("a | b", 2.0, 1.0);
-        record.tables.push(Table { head: vec!["p".into(), "q".into()], rows: vec![vec!["1".into(), "2".into()]] });
+        record.tables.push(TextTable { head: vec!["p".into(), "q".into()], rows: vec![vec!["1".into(), "2".into()]] });
         record.note("A note.");
         record.figure("f", "x", vec![("c", Vec::new())]);
         let text = markdown(FOLDER, &record, "run x", "abc, today");

@@ -11,7 +11,7 @@ use cutwater::solid_svk::{ElasticBody, ElasticOptions, Material, SolidForm, Soli
 use cutwater::solver::body::Body;
 use cutwater::solver::{Contact, ContactObstacle, Setup};
 
-use super::{Failure, P, Run, V};
+use super::{DirectRun, Failure, P, V};
 
 /// A time scheme.
 pub(crate) type Scheme = Arc<dyn TimeScheme>;
@@ -97,7 +97,7 @@ pub(crate) fn run<const D: usize>(
     touch: Option<Touch<D>>,
     dt: f64,
     tolerance: f64,
-) -> Result<Run<D>, Failure> {
+) -> Result<DirectRun<D>, Failure> {
     let scheme = Arc::clone(&bodies.first().ok_or("there is no body")?.scheme);
     let built = bodies.into_iter().enumerate().map(|(k, body)| body.body(&format!("body {k}")));
     let bodies = built.collect::<Result<Vec<_>, _>>()?;
@@ -111,11 +111,11 @@ pub(super) fn run_of<const D: usize>(
     touch: Option<Touch<D>>,
     scheme: Scheme,
     [dt, tolerance]: [f64; 2],
-) -> Result<Run<D>, Failure> {
+) -> Result<DirectRun<D>, Failure> {
     let contact = |Touch { facets, form, obstacle }| Contact::new(&bodies, BodyId::new(0), facets, form, obstacle);
     let contacts = touch.map(contact).transpose()?.into_iter().collect();
     let newton = NewtonSettings::new(tolerance);
-    Run::new(Setup { fluid: None, bodies, contacts, scheme, dt, most_halvings: 0, approach: None, newton })
+    DirectRun::new(Setup { fluid: None, bodies, contacts, scheme, dt, most_halvings: 0, approach: None, newton })
 }
 
 /// Returns a support whose displacement grows linearly in time until 1; components with `None` are free.

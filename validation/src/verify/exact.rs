@@ -14,9 +14,9 @@ use rand_xoshiro::SplitMix64;
 use super::conservation;
 use super::dry::elastic;
 use super::flow::{
-    self, Flow, Known, disk, fluid_mut, fluid_of, outside, polygon, rigid_polygon, set_sides, wet, wet_report,
+    self, Flow, KnownFlow, disk, fluid_mut, fluid_of, outside, polygon, rigid_polygon, set_sides, wet, wet_report,
 };
-use super::linear_flow::{Linear, SIZE, background, nonagon};
+use super::linear_flow::{LinearFlow, SIZE, background, nonagon};
 use super::record::{Named, worse};
 use super::{Failure, P, Record, T, V};
 
@@ -78,7 +78,7 @@ fn named<const N: usize>(problem: &str, errors: [(&str, f64); N]) -> Named {
 }
 
 /// Returns the largest errors of velocity and pressure over the dofs.
-fn nodal_errors<F: Flow>(known: &Known<F>, setup: &Setup<2>, state: &State<2>) -> Result<[f64; 2], Failure> {
+fn nodal_errors<F: Flow>(known: &KnownFlow<F>, setup: &Setup<2>, state: &State<2>) -> Result<[f64; 2], Failure> {
     let (background, fluid, t) = (&fluid_of(setup)?.background, wet(state)?, state.time);
     let mut errors = [0.0_f64; 2];
     for (k, &vertex) in fluid.space.vertices().iter().enumerate() {
@@ -96,7 +96,7 @@ fn area(corners: &[P]) -> f64 {
 
 fn hydrostatic(centre: P, _: &mut SplitMix64) -> Result<Named, Failure> {
     let g = V::new(0.0, -2.5);
-    let known = Linear::at_rest(g).known(0.1, &["top"]);
+    let known = LinearFlow::at_rest(g).known(0.1, &["top"]);
     let mut setup = known.setup(background(SIZE)?, 0.05);
     let corners = disk(centre, 0.37, 23);
     let weight = area(&corners) * g;
@@ -114,7 +114,7 @@ fn hydrostatic(centre: P, _: &mut SplitMix64) -> Result<Named, Failure> {
 /// Measures the errors for a free body of the density of the fluid under gravity, which the pressure carries.
 fn neutral(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
     let g = V::new(0.4, -2.5);
-    let known = Linear::at_rest(g).known(0.1, &["top"]);
+    let known = LinearFlow::at_rest(g).known(0.1, &["top"]);
     let mut setup = known.setup(background(SIZE)?, 0.05);
     setup.bodies.push(Arc::new(rigid_polygon(nonagon(centre, random), known.density, g / known.density)?));
     let (state, _) = flow::run(&setup, 3)?;
@@ -133,7 +133,7 @@ fn turning(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
     let mut body = rigid_polygon(nonagon(centre, random), 0.8, V::zeros())?;
     body.initial_spin[0] = spin;
     let (turn, about) = (T::new(0.0, -spin, spin, 0.0), body.mass.centre);
-    let linear = Linear { a: turn, b: -(turn * about), g: V::zeros(), p: 0.0, density: 1.2, convects: false };
+    let linear = LinearFlow { a: turn, b: -(turn * about), g: V::zeros(), p: 0.0, density: 1.2, convects: false };
     let known = linear.known(0.7, &[]);
     let mut setup = known.setup(background(SIZE)?, 0.05);
     setup.bodies.push(Arc::new(body));
@@ -147,7 +147,7 @@ fn turning(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
 }
 
 fn uniform_pressure(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
-    let known = Linear::at_rest(V::zeros()).known(0.1, &["right", "top"]);
+    let known = LinearFlow::at_rest(V::zeros()).known(0.1, &["right", "top"]);
     let mut setup = known.setup(background(SIZE)?, 0.05);
     setup.bodies.push(polygon(&[nonagon(centre, random)], |x, _| *x, Arc::new(|_, _| V::zeros())));
     let (state, report) = flow::run(&setup, 2)?;
@@ -162,7 +162,7 @@ fn uniform_pressure(centre: P, random: &mut SplitMix64) -> Result<Named, Failure
 fn linear(centre: P, random: &mut SplitMix64, name: &str, moves: bool) -> Result<Named, Failure> {
     let mut entry = || random.random_range(-1.0..1.0);
     let (a, b, c) = (entry(), entry(), entry());
-    let linear = Linear {
+    let linear = LinearFlow {
         a: T::new(a, b, c, -a),
         b: V::new(entry(), entry()),
         g: V::new(entry(), entry()),
@@ -183,7 +183,7 @@ fn linear(centre: P, random: &mut SplitMix64, name: &str, moves: bool) -> Result
 /// linear, and no moment acts.
 fn annulus(centre: P, _: &mut SplitMix64) -> Result<Named, Failure> {
     let turn = T::new(0.0, -1.3, 1.3, 0.0);
-    let linear = Linear { a: turn, b: -(turn * centre), g: V::zeros(), p: 0.0, density: 1.0, convects: false };
+    let linear = LinearFlow { a: turn, b: -(turn * centre), g: V::zeros(), p: 0.0, density: 1.0, convects: false };
     let known = linear.known(0.7, &[]);
     let mut setup = known.setup(background(SIZE)?, 0.05);
     setup.bodies.push(polygon(&[disk(centre, 0.25, 17)], |x, _| *x, known.velocity()));
@@ -216,7 +216,7 @@ const LAMBDA: f64 = 8e3;
 
 fn translation(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
     let u = V::new(random.random_range(-1.0..1.0), random.random_range(-1.0..1.0));
-    let linear = Linear { b: u, p: 0.0, ..Linear::at_rest(V::zeros()) };
+    let linear = LinearFlow { b: u, p: 0.0, ..LinearFlow::at_rest(V::zeros()) };
     let known = linear.known(0.05, &["top"]);
     let mut setup = known.setup(background(SIZE)?, 0.02);
     setup.bodies.push(elastic_disk(centre, 0.3, |_| V::zeros(), u)?);
@@ -234,7 +234,7 @@ fn translation(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
 fn pressurised_disk(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
     let pressure = random.random_range(1.0..100.0);
     let scale = (1.0 - pressure / (LAMBDA + MU)).sqrt();
-    let known = Linear::at_rest(V::zeros()).known(0.1, &[]);
+    let known = LinearFlow::at_rest(V::zeros()).known(0.1, &[]);
     let mut setup = known.setup(background(SIZE)?, 1e-2);
     set_sides(&mut setup, || FluidBoundary::Open {
         traction: Some(Arc::new(move |_, n, _| n * -pressure)),
@@ -253,7 +253,7 @@ fn pressurised_disk(centre: P, random: &mut SplitMix64) -> Result<Named, Failure
 /// side.
 fn pocket(centre: P, _: &mut SplitMix64) -> Result<Named, Failure> {
     let g = V::new(3.0, -2.0);
-    let known = Linear::at_rest(g).known(0.1, &["right"]);
+    let known = LinearFlow::at_rest(g).known(0.1, &["right"]);
     let mut setup = known.setup(background(SIZE)?, 0.05);
     let mut hole = disk(centre, 0.35, 31);
     hole.reverse();

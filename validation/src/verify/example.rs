@@ -15,14 +15,14 @@ use crate::case::example_path;
 /// A run of an example.
 pub(super) struct Example {
     pub(super) setup: Setup<2>,
-    pub(super) history: History,
+    pub(super) history: ExampleHistory,
     /// Wall-clock time, s.
     pub(super) seconds: f64,
 }
 
 /// Values after each step, from the start.
 #[derive(Default)]
-pub(super) struct History {
+pub(super) struct ExampleHistory {
     probes: Probes<2>,
     pub(super) times: Vec<f64>,
     values: Vec<Vec<f64>>,
@@ -51,8 +51,11 @@ impl Example {
         let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
         let mut case = case::<2>(&ScenarioFile::read(&example_path(name), &changes)?)?;
         let begin = Instant::now();
-        let mut history =
-            History { probes: std::mem::take(&mut case.probes), smallest_gap: f64::INFINITY, ..History::default() };
+        let mut history = ExampleHistory {
+            probes: std::mem::take(&mut case.probes),
+            smallest_gap: f64::INFINITY,
+            ..ExampleHistory::default()
+        };
         let state = State::initial(&case.setup)?;
         let workspace = std::mem::take(&mut case.workspace);
         TimeLoop::new(&case.setup, state, workspace).run(case.n_steps, &mut [&mut history])?;
@@ -60,7 +63,7 @@ impl Example {
     }
 }
 
-impl History {
+impl ExampleHistory {
     /// Returns the values of a probe over time, by its name without the unit.
     pub(super) fn probe(&self, name: &str) -> Result<Points, Failure> {
         let of_name = |full: &str| name_and_unit(full).0 == name;
@@ -79,7 +82,7 @@ impl History {
     }
 }
 
-impl Observer<2> for History {
+impl Observer<2> for ExampleHistory {
     fn after_step(&mut self, view: &StepView<'_, 2>) -> Result<(), ObserverError> {
         let (setup, state) = (view.setup, view.state);
         if let Some(report) = view.report {

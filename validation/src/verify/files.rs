@@ -37,12 +37,12 @@ pub(super) fn check(out: &Path) -> Outcome {
 #[derive(Serialize)]
 struct Content {
     cells: usize,
-    /// Sum of the areas of the polygons, if there are some.
+    /// Sum of the areas of the polygons. `None` for files whose area is not checked.
     #[serde(skip_serializing_if = "Option::is_none")]
     area: Option<f64>,
 }
 
-/// File to content.
+/// Expected content of each file, by its path.
 #[derive(Default)]
 struct Expected(BTreeMap<String, Content>);
 

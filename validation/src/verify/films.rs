@@ -15,10 +15,10 @@ use cutwater::solver::{FilmSetup, FluidBoundary, Setup, Stabilisation, StepRepor
 use super::axisymmetric::{brenner, moving, slow, sphere};
 use super::film_edges;
 use super::flow::{self, boundary, fluid_mut, polygon};
-use super::linear_flow::Linear;
+use super::linear_flow::LinearFlow;
 use super::lubrication::{approach, exact_force, graded};
 use super::record::worse;
-use super::{Failure, P, Record, Run, V, short};
+use super::{DirectRun, Failure, P, Record, V, short};
 
 // Gaps relative to the size of a cell: those at which the film is at least two cells wide, and smaller ones with their
 // largest relative errors.
@@ -43,7 +43,7 @@ const FALL: f64 = 0.03;
 
 /// A mesh for films, and the settings of the solver.
 #[derive(Clone, Copy)]
-struct Case {
+struct FilmCase {
     /// Cells per radius.
     cells: f64,
     stabilisation: Stabilisation,
@@ -56,7 +56,7 @@ struct Case {
     wall: Option<f64>,
 }
 
-impl Case {
+impl FilmCase {
     fn new(cells: f64) -> Self {
         Self { cells, stabilisation: Stabilisation::STANDARD, film: true, pole: None, wall: None }
     }
@@ -94,7 +94,7 @@ fn spheres(record: &mut Record) -> Result<(), Failure> {
     for &cells in meshes {
         let mut curve = Vec::new();
         for (gap, bound) in GAPS.map(|gap| (gap, SPHERE)).into_iter().chain(THIN) {
-            let of_film = sphere_force(&Case::new(cells), gap)?;
+            let of_film = sphere_force(&FilmCase::new(cells), gap)?;
             let name = format!("sphere, {cells} cells per radius, gap of {gap} cells: force over the exact one");
             // The pressure of a film acts over a radius of √(2 R δ), which these meshes resolve to the same gaps as
             // that of 20 cells only.
@@ -114,7 +114,7 @@ fn spheres(record: &mut Record) -> Result<(), Failure> {
         curves.push((format!("{cells} cells per radius"), curve));
     }
     for (gap, _) in THIN {
-        let ratio = sphere_force(&Case { pole: Some(160.0), ..Case::new(20.0) }, gap)?.ratio;
+        let ratio = sphere_force(&FilmCase { pole: Some(160.0), ..FilmCase::new(20.0) }, gap)?.ratio;
         let name = format!(
             "sphere, 20 cells per radius and 160 near the axis, gap of {gap} of the larger cells: force over the exact one"
         );
@@ -122,7 +122,7 @@ fn spheres(record: &mut Record) -> Result<(), Failure> {
     }
     let mut without = Vec::new();
     for gap in GAPS.into_iter().chain(THIN.map(|(gap, _)| gap)) {
-        without.push((gap, sphere_force(&Case { film: false, ..Case::new(20.0) }, gap)?.ratio));
+        without.push((gap, sphere_force(&FilmCase { film: false, ..FilmCase::new(20.0) }, gap)?.ratio));
     }
     let largest = without.iter().map(|(_, ratio)| ratio.max(1.0 / ratio)).fold(1.0, worse);
     record.show("sphere, 20 cells per radius, flux of the film not modelled: largest factor between the force and the exact one", largest, None);
@@ -137,7 +137,7 @@ fn cylinders(record: &mut Record) -> Result<(), Failure> {
         let h = 0.05;
         let n = 4 * (2.0 * PI / h).ceil() as usize;
         let mut setup = approach(graded(0.4, h)?, gap * h, n)?;
-        Case::new(1.0 / h).set(&mut setup)?;
+        FilmCase::new(1.0 / h).set(&mut setup)?;
         let ratio = 2.0 * solve(setup)?.1.0[1] / exact_force(gap * h);
         record.near_relative(format!("cylinder, gap of {gap} cells: force over the exact one"), ratio, 1.0, CYLINDER);
     }
@@ -180,7 +180,7 @@ fn sweeps(record: &mut Record) -> Result<(), Failure> {
     let jump = |ratios: &[f64]| ratios.windows(2).map(|pair| (pair[1] / pair[0] - 1.0).abs()).fold(0.0, worse);
     let gaps = || (0..STEPS).map(|k| 4.0 * (0.1_f64 / 4.0).powf(k as f64 / (STEPS - 1) as f64));
     let ratios =
-        gaps().map(|gap| Ok(sphere_force(&Case::new(20.0), gap)?.ratio)).collect::<Result<Vec<_>, Failure>>()?;
+        gaps().map(|gap| Ok(sphere_force(&FilmCase::new(20.0), gap)?.ratio)).collect::<Result<Vec<_>, Failure>>()?;
     let swept = gaps().zip(ratios.iter().copied()).collect();
     record.log_figure(
         "Force on a sphere over the exact one, 100 gaps",
@@ -195,7 +195,7 @@ fn sweeps(record: &mut Record) -> Result<(), Failure> {
     let off = |ratios: &[f64]| ratios.iter().map(|ratio| (ratio - 1.0).abs()).fold(0.0, worse);
     record.at_most("sphere, 100 gaps from 4 to 0.1 cells: largest relative error of the force", off(&ratios), SPHERE);
     for gap in [1.0, 0.25] {
-        let case = |k: usize| Case { wall: Some(k as f64 / SHIFTS as f64), ..Case::new(20.0) };
+        let case = |k: usize| FilmCase { wall: Some(k as f64 / SHIFTS as f64), ..FilmCase::new(20.0) };
         let ratios =
             (0..SHIFTS).map(|k| Ok(sphere_force(&case(k), gap)?.ratio)).collect::<Result<Vec<_>, Failure>>()?;
         let name = format!("sphere and a body as wall, gap of {gap} cells, 20 positions in a cell");
@@ -213,8 +213,9 @@ fn parameters(record: &mut Record) -> Result<(), Failure> {
         ..set
     };
     for gap in [1.0, 0.25] {
-        let ratio =
-            |stabilisation| Ok::<_, Failure>(sphere_force(&Case { stabilisation, ..Case::new(20.0) }, gap)?.ratio);
+        let ratio = |stabilisation| {
+            Ok::<_, Failure>(sphere_force(&FilmCase { stabilisation, ..FilmCase::new(20.0) }, gap)?.ratio)
+        };
         let standard = ratio(set)?;
         for factor in [10.0, 0.1] {
             let of_pressure = ratio(Stabilisation { gamma_pressure: factor * set.gamma_pressure, ..set })?;
@@ -244,14 +245,14 @@ fn fall(record: &mut Record) -> Result<(), Failure> {
     const STEP: f64 = 0.06;
     let h = 1.0 / CELLS;
     let [begin, end] = [2.0 * h, 0.1 * h];
-    let mut setup = over_wall(&Case::new(CELLS))?;
+    let mut setup = over_wall(&FilmCase::new(CELLS))?;
     // The weight is that of unit force over 6 π μ R.
     let corners = sphere(1.0 + begin, 1.0, h);
     let surface = boundary(std::slice::from_ref(&corners)).with_coordinates(Coordinates::Axisymmetric);
     let ball = RigidBody::new("sphere", surface.clone(), corners.clone(), 1.0, V::zeros())?;
     let gravity = V::new(0.0, -6.0 * PI / ball.mass.mass);
     setup.bodies.push(Arc::new(RigidBody::new("sphere", surface, corners, 1.0, gravity)?));
-    let mut run = Run::new(setup)?;
+    let mut run = DirectRun::new(setup)?;
     let (mut gap, mut time, mut exact, mut off) = (begin, 0.0, begin, 0.0_f64);
     while gap > end {
         let dt = STEP * gap * brenner(gap);
@@ -289,7 +290,7 @@ struct Force {
 }
 
 /// Returns a fluid over a wall, with a mesh for spheres of radius one near it.
-fn over_wall(case: &Case) -> Result<Setup<2>, Failure> {
+fn over_wall(case: &FilmCase) -> Result<Setup<2>, Failure> {
     /// Extent of the fluid in radii. Without an outer boundary forces are lower by less than 1 %.
     const FAR: f64 = 40.0;
     let h = 1.0 / case.cells;
@@ -316,7 +317,7 @@ fn over_wall(case: &Case) -> Result<Setup<2>, Failure> {
 }
 
 /// Returns the force on a sphere of radius one that approaches a wall; the gap is given over the size of a cell.
-fn sphere_force(case: &Case, gap: f64) -> Result<Force, Failure> {
+fn sphere_force(case: &FilmCase, gap: f64) -> Result<Force, Failure> {
     let h = 1.0 / case.cells;
     let gap = gap * h;
     let mut setup = over_wall(case)?;
@@ -338,14 +339,14 @@ fn sphere_force(case: &Case, gap: f64) -> Result<Force, Failure> {
     Ok(Force { ratio: force / (6.0 * PI * brenner(gap)), leaves: 1.0 - (leaks / swept).abs() })
 }
 
-fn run(setup: Setup<2>) -> Result<(Run<2>, StepReport<2>), Failure> {
-    let mut run = Run::new(setup)?;
+fn run(setup: Setup<2>) -> Result<(DirectRun<2>, StepReport<2>), Failure> {
+    let mut run = DirectRun::new(setup)?;
     let report = run.advance()?;
     Ok((run, report))
 }
 
 /// Solves for one step; returns the run, and the force on the first body with its moment.
-fn solve(setup: Setup<2>) -> Result<(Run<2>, (V, f64)), Failure> {
+fn solve(setup: Setup<2>) -> Result<(DirectRun<2>, (V, f64)), Failure> {
     let (run, report) = run(setup)?;
     let force = flow::force(&run.state, &report, 0, &P::zeros())?;
     Ok((run, force))
@@ -381,9 +382,9 @@ fn plates_along(
         let corners = [at(-2.0, 0.0), at(2.0, 0.0), at(2.0, 0.2), at(-2.0, 0.2)];
         if side > 0.0 { corners.to_vec() } else { corners.into_iter().rev().collect() }
     };
-    let mut setup = Linear::at_rest(V::zeros()).known(1.0, &[]).setup(background, 1e9);
+    let mut setup = LinearFlow::at_rest(V::zeros()).known(1.0, &[]).setup(background, 1e9);
     flow::set_sides(&mut setup, || FluidBoundary::Open { traction: None, backflow: false })?;
-    Case::new(cells as f64).set(&mut setup)?;
+    FilmCase::new(cells as f64).set(&mut setup)?;
     for side in [1.0, -1.0] {
         let velocity = across * (-0.5 * side * speed);
         setup.bodies.push(polygon(&[plate(side)], |x, _| *x, Arc::new(move |_, _| velocity)));
@@ -456,7 +457,7 @@ fn disks(gap: f64) -> Result<f64, Failure> {
     let background = structured_box::<2>([0.0, 0.0], [1.0, 0.5], [CELLS, CELLS / 2])?;
     let open = || FluidBoundary::Open { traction: None, backflow: false };
     let mut setup = slow(background, 1e-9, |side| if side == "bottom" { FluidBoundary::NoSlip } else { open() })?;
-    Case::new(CELLS as f64).set(&mut setup)?;
+    FilmCase::new(CELLS as f64).set(&mut setup)?;
     let low = gap * h;
     let corners = [(0.0, low), (2.0, low), (2.0, low + 0.2), (0.0, low + 0.2)].map(|(r, z)| P::new(r, z));
     setup.bodies.push(moving(corners.to_vec(), |x, _| *x, Arc::new(|_, _| V::new(0.0, -1.0))));
@@ -490,7 +491,7 @@ fn square_plates(gap: f64) -> Result<f64, Failure> {
             velocity: Arc::new(move |_, _| Vector::z() * speed),
         }));
     }
-    let mut run = Run::new(setup)?;
+    let mut run = DirectRun::new(setup)?;
     let report = run.advance()?;
     let force: f64 = flow::interface(&run.state, &report)?
         .filter(|(piece, _)| piece.body.index() == 1)

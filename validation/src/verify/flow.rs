@@ -35,7 +35,7 @@ pub(super) trait Flow: Send + Sync + 'static {
 }
 
 /// Fluid with a known flow on its sides, to be completed by bodies.
-pub(super) struct Known<F> {
+pub(super) struct KnownFlow<F> {
     pub(super) flow: Arc<F>,
     pub(super) density: f64,
     pub(super) viscosity: f64,
@@ -48,7 +48,7 @@ pub(super) struct Known<F> {
 /// Names of the sides of a box.
 const SIDES: [&str; 4] = ["left", "right", "bottom", "top"];
 
-impl<F: Flow> Known<F> {
+impl<F: Flow> KnownFlow<F> {
     /// Returns the setup of the flow on a background, without bodies.
     pub(super) fn setup(&self, background: SimplexMesh<2>, dt: f64) -> Setup<2> {
         let (at_start, forcing) = (Arc::clone(&self.flow), Arc::clone(&self.flow));
@@ -149,12 +149,12 @@ pub(super) fn differences(setup: &Setup<2>, a: &State<2>, b: &State<2>) -> Resul
         between.velocity.iter_mut().zip(&b.velocity).for_each(|(a, b)| *a -= b);
         between.pressure.iter_mut().zip(&b.pressure).for_each(|(a, b)| *a -= b);
     }
-    let squares = |at: &At| [at.velocity.norm_squared(), at.gradient.norm_squared(), at.pressure.powi(2)];
+    let squares = |at: &FlowPoint| [at.velocity.norm_squared(), at.gradient.norm_squared(), at.pressure.powi(2)];
     Ok(Errors::of_squares(integrals(setup, &between, squares)?))
 }
 
 /// Discrete fields at a quadrature point of the fluid.
-pub(super) struct At {
+pub(super) struct FlowPoint {
     pub(super) x: P,
     velocity: V,
     pub(super) gradient: T,
@@ -165,7 +165,7 @@ pub(super) struct At {
 pub(super) fn integrals<const N: usize>(
     setup: &Setup<2>,
     state: &State<2>,
-    values: impl Fn(&At) -> [f64; N],
+    values: impl Fn(&FlowPoint) -> [f64; N],
 ) -> Result<[f64; N], Failure> {
     let (background, fluid) = (&fluid_of(setup)?.background, wet(state)?);
     let mut sums = [0.0; N];
@@ -175,12 +175,8 @@ pub(super) fn integrals<const N: usize>(
         let gradient: T =
             dofs.iter().zip(parts.gradients(part)).map(|(&k, g)| fluid.velocity[k as usize] * g.transpose()).sum();
         parts.for_each_point(background, &fluid.cut, part, 4, |x, weight, shape| {
-            let at = At {
-                x: *x,
-                velocity: dofs.iter().zip(shape).map(|(&k, n)| fluid.velocity[k as usize] * *n).sum(),
-                gradient,
-                pressure: dofs.iter().zip(shape).map(|(&k, n)| fluid.pressure[k as usize] * *n).sum(),
-            };
+            let (velocity, pressure) = fluid.at(part, shape);
+            let at = FlowPoint { x: *x, velocity, gradient, pressure };
             sums.iter_mut().zip(values(&at)).for_each(|(sum, value)| *sum += weight * value);
         });
     }

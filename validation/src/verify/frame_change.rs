@@ -10,7 +10,7 @@ use cutwater::solver::{FluidBoundary, Setup};
 use super::flow::{disk, fluid_mut, interface, polygon};
 use super::linear_flow::still;
 use super::signal::{falls, mean, rms, rough, slope};
-use super::{Failure, P, Record, Run, V, short};
+use super::{DirectRun, Failure, P, Record, V, short};
 
 /// Length and half of the height of the channel, in diameters of the cylinder; its walls move with the fluid.
 const CHANNEL: [f64; 2] = [12.0, 2.0];
@@ -154,7 +154,7 @@ fn setup(cells: usize, dt: f64, moves: bool) -> Result<Setup<2>, Failure> {
 
 /// Computes the drag coefficient after every step that is evaluated.
 fn drag(setup: Setup<2>) -> Result<Vec<f64>, Failure> {
-    let mut run = Run::lagged(setup)?;
+    let mut run = DirectRun::lagged(setup)?;
     let mut drag = Vec::new();
     // Half a step of room for round-off.
     while run.state.time < TRAVEL - 0.5 * run.setup.dt {

@@ -31,7 +31,8 @@ const FADED: f64 = 0.25;
 const TOLERANCE: f64 = 0.01;
 /// Largest displacement of a block that sticks, relative to its displacement without friction.
 const DRIFT: f64 = 1e-3;
-/// Relative tolerance of the rigid block, whose motion is exact up to the tolerance of the multipliers, and of these.
+/// Relative tolerance of the motion and the multipliers of the rigid block. Its motion is exact up to the tolerance of
+/// the multipliers.
 const RIGID_TOLERANCE: f64 = 1e-6;
 
 /// Displacement and velocity of the centre of mass, and the tangential force of contact over the weight.
@@ -43,14 +44,14 @@ struct BlockMotion<const D: usize> {
 
 /// A block on the plane whose last coordinate is zero, with the coefficient of friction, the direction of gravity and
 /// the initial velocity.
-struct Block<const D: usize> {
+struct SlopeBlock<const D: usize> {
     friction: f64,
     down: Vector<D>,
     velocity: Vector<D>,
     cells: usize,
 }
 
-impl<const D: usize> Block<D> {
+impl<const D: usize> SlopeBlock<D> {
     /// Computes the motion at the given times.
     fn at<const N: usize>(&self, times: [f64; N]) -> Result<[BlockMotion<D>; N], Failure> {
         let corner = std::array::from_fn(|axis| if axis == D - 1 { HEIGHT } else { 4.0 * HEIGHT });
@@ -91,7 +92,7 @@ impl<const D: usize> Block<D> {
 fn slope<const D: usize>(record: &mut Record, cells: usize, along: Vector<D>) -> Result<(), Failure> {
     let mut down = along * SLOPE.sin();
     down[D - 1] = -SLOPE.cos();
-    let block = |friction| Block { friction, down, velocity: Vector::zeros(), cells };
+    let block = |friction| SlopeBlock { friction, down, velocity: Vector::zeros(), cells };
     let space = if D == 2 { "plane" } else { "space" };
 
     let [first, last] = block(0.3).at([FADED, 2.0 * FADED])?;
@@ -168,7 +169,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     rigid_slope(record, Vector::<2>::new(1.0, 0.0))?;
     rigid_slope(record, Vector::<3>::new(0.8, -0.6, 0.0))?;
     let (speed, friction) = (1.0, 0.3);
-    let thrown = Block { friction, down: Vector::<2>::new(0.0, -1.0), velocity: Vector::<2>::new(speed, 0.0), cells };
+    let thrown =
+        SlopeBlock { friction, down: Vector::<2>::new(0.0, -1.0), velocity: Vector::<2>::new(speed, 0.0), cells };
     let [last] = thrown.at([2.0 * speed / (friction * GRAVITY)])?;
     let distance = speed * speed / (2.0 * friction * GRAVITY);
     record.near_relative("thrown along a floor: distance until it rests", last.displacement[0], distance, TOLERANCE);

@@ -6,12 +6,12 @@ use cutwater::algebra::time::QuasiStatic;
 use cutwater::mesh::{SimplexMesh, VertexId};
 use cutwater::solid_svk::{LameParameters, Order, SaintVenantKirchhoff, SolidMesh, Support, SupportKind};
 
-use super::channel::{CENTRE, Channel, N_CORNERS, RADIUS, Resolution};
+use super::channel::{CENTRE, Channel, ChannelResolution, N_CORNERS, RADIUS};
 use super::csm::{self, DENSITY, SOFT, displacement};
 use super::dry::elastic_of;
 use super::flow::force;
-use super::record::{Points, Table};
-use super::{Failure, P, Record, Run, V, short};
+use super::record::{Points, TextTable};
+use super::{DirectRun, Failure, P, Record, V, short};
 
 const CHANNEL: Channel = Channel { length: 2.5, density: 1e3, viscosity: 1.0, speed: 0.2, has_flag: true };
 /// Displacement of the tip, m, drag and lift, N/m: level 7 of FEATFLOW.
@@ -82,7 +82,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         let sizes = [format!("D/{cells}")].into_iter().chain(counts);
         rows.push(sizes.chain(errors).collect());
     }
-    record.tables.push(Table { head, rows });
+    record.tables.push(TextTable { head, rows });
     if record.full {
         let resolution = RESOLUTIONS[1];
         let cells = resolution.0;
@@ -115,14 +115,14 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 
 /// Computes the flag at rest, with one of the [`RESOLUTIONS`] and a length of steps.
 fn bend((cells, rows, order): (usize, usize, Order), step: f64) -> Result<BentFlag, Failure> {
-    let mut setup = CHANNEL.setup(&Resolution::new(cells), |_| 1.0)?;
+    let mut setup = CHANNEL.setup(&ChannelResolution::new(cells), |_| 1.0)?;
     (setup.scheme, setup.dt) = (Arc::new(QuasiStatic), step);
     let (solid, held) = obstacle(rows, order)?;
     let material = SaintVenantKirchhoff::new(LameParameters::new(SOFT, 4.0 * SOFT)?);
     let mut flag = elastic_of(solid, DENSITY, material, V::zeros(), Arc::clone(&setup.scheme))?;
     flag.options.supports.push(Support { vertices: held, kind: SupportKind::Clamped });
     setup.bodies = vec![flag.body("flag")?];
-    let mut run = Run::lagged(setup)?;
+    let mut run = DirectRun::lagged(setup)?;
     let (mut before, mut history) = (V::zeros(), Vec::new());
     for n in 1..=MOST_STEPS {
         let report = run.advance()?;

@@ -8,14 +8,14 @@ use cutwater::algebra::NewtonSettings;
 use cutwater::solid_svk::{LameParameters, Order, SaintVenantKirchhoff, Support, SupportKind};
 use cutwater::solver::body::PointField;
 
-use super::channel::{CENTRE, Channel, RADIUS, Resolution, step_with_force, velocity_at};
+use super::channel::{CENTRE, Channel, ChannelResolution, RADIUS, step_with_force, velocity_at};
 use super::csm::{SOFT, STIFF, displacement};
 use super::dry::{elastic_of, second_order};
 use super::flow::fluid_mut;
 use super::fsi::{ROWS, obstacle};
-use super::record::{Points, Table};
+use super::record::{Points, TextTable};
 use super::signal::{is_steady, last_cycles, mean_and_amplitude, rises};
-use super::{Failure, P, Record, Run, V, short};
+use super::{DirectRun, Failure, P, Record, V, short};
 
 /// A benchmark, and what is known of it.
 struct Benchmark {
@@ -93,7 +93,7 @@ struct FsiSignals {
 
 impl FsiSignals {
     /// Takes a step and adds its values. Forces are those at the stage of the step, displacements those at its end.
-    fn advance(&mut self, run: &mut Run) -> Result<(), Failure> {
+    fn advance(&mut self, run: &mut DirectRun) -> Result<(), Failure> {
         let (at_stage, force) = step_with_force(run)?;
         let u = displacement(run)?;
         for k in 0..2 {
@@ -154,8 +154,8 @@ impl Benchmark {
         }
     }
 
-    fn run(&self, (cells, dt): (usize, f64), start: Start) -> Result<Run, Failure> {
-        let resolution = Resolution { swing: self.known[AMPLITUDE], ..Resolution::new(cells) };
+    fn run(&self, (cells, dt): (usize, f64), start: Start) -> Result<DirectRun, Failure> {
+        let resolution = ChannelResolution { swing: self.known[AMPLITUDE], ..ChannelResolution::new(cells) };
         let mut setup = self.channel().setup(&resolution, |_| 1.0)?;
         (setup.scheme, setup.dt, setup.newton) = (second_order(RHO_INF)?, dt, NewtonSettings::new(TOLERANCE));
         fluid_mut(&mut setup)?.initial_velocity = Some(start.fluid);
@@ -166,7 +166,7 @@ impl Benchmark {
         flag.options.initial_displacement = Some(start.displacement);
         flag.options.initial_velocity = Some(start.velocity);
         setup.bodies = vec![flag.body("flag")?];
-        Run::lagged(setup)
+        DirectRun::lagged(setup)
     }
 
     fn measure(&self, record: &mut Record) -> Result<(), Failure> {
@@ -195,9 +195,10 @@ impl Benchmark {
             rows.push(vec![format!("{}, D/{cells}", self.name), short(dt), short(run.state.time)]);
             start = Start::of(run)?;
         }
-        record
-            .tables
-            .push(Table { head: ["benchmark, fluid", "dt [s]", "periodic after [s]"].map(str::to_owned).into(), rows });
+        record.tables.push(TextTable {
+            head: ["benchmark, fluid", "dt [s]", "periodic after [s]"].map(str::to_owned).into(),
+            rows,
+        });
         record.figure(format!("{}: u_y of the tip [m]", self.name), "t [s]", of_tip);
         record.figure(format!("{}: lift [N/m]", self.name), "t [s]", of_lift);
         Ok(())
@@ -206,11 +207,11 @@ impl Benchmark {
 
 impl Start {
     /// Returns the end of a run.
-    fn of(run: Run) -> Result<Self, Failure> {
+    fn of(run: DirectRun) -> Result<Self, Failure> {
         let (nodes, flag) = (run.setup.bodies[0].reference(), &run.state.bodies[0]);
         let displacement = at_nodes(nodes, flag.displacement());
         let velocity = at_nodes(nodes, flag.velocity());
-        let Run { setup, state, .. } = run;
+        let DirectRun { setup, state, .. } = run;
         let fluid: PointField<2> = Arc::new(move |x| velocity_at(&setup, &state, x));
         Ok(Self { fluid, displacement, velocity })
     }

@@ -15,7 +15,7 @@ use cutwater::solver::StepReport;
 
 use super::dry::{elastic, floor_by, pushed, run};
 use super::signal::passage;
-use super::{Failure, P, Record, Run, V};
+use super::{DirectRun, Failure, P, Record, V};
 use crate::units::cgs;
 
 /// Radius, cm.
@@ -60,7 +60,7 @@ fn press(
     n: usize,
     material: impl Material<2> + 'static,
     form: ContactForm<2>,
-) -> Result<(Run, StepReport<2>), Failure> {
+) -> Result<(DirectRun, StepReport<2>), Failure> {
     // Across the middle without a change of pattern: where that changes, the pressure of linear triangles has a kink.
     let mesh =
         structured_box::<2>([-1.0, 0.0], [1.0, 1.0], [2 * n, n])?.mapped(|x| half_disk(graded(x[0]), graded(x[1])))?;
@@ -79,7 +79,7 @@ fn press(
 }
 
 /// Returns the middle of each facet in contact and the pressure on it, in order.
-fn pressures(run: &Run, report: &StepReport<2>) -> Vec<(f64, f64)> {
+fn pressures(run: &DirectRun, report: &StepReport<2>) -> Vec<(f64, f64)> {
     let surface = run.setup.bodies[0].surface();
     let positions = run.state.bodies[0].positions(run.setup.bodies[0].reference());
     let middle = |facet| surface.facet(facet).iter().map(|v| positions[v.index()][0]).sum::<f64>() / 2.0;

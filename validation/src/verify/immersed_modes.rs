@@ -11,7 +11,7 @@ use super::dry::second_order;
 use super::flow::{PAPERS_PENALTY, fluid_mut};
 use super::linear_flow::still;
 use super::mode::{Mode, RADIUS, frequency_of};
-use super::{Failure, P, Record, Run, V, short};
+use super::{DirectRun, Failure, P, Record, V, short};
 use crate::units::cgs;
 
 /// Viscosity of the falling balls' fluid, P; its density is that of the disk, one.
@@ -88,7 +88,7 @@ fn order_in_time(record: &mut Record) -> Result<(), Failure> {
     for k in 0..5 {
         let steps = 12 << k;
         let (setup, amplitude) = vibration(&mode, 0.8, f64::from(steps), Stabilisation::STANDARD)?;
-        let mut run = Run::lagged(setup)?;
+        let mut run = DirectRun::lagged(setup)?;
         let at_start = amplitude(run.state.bodies[0].displacement());
         for _ in 0..3 * steps / 4 {
             run.advance()?;
@@ -110,7 +110,7 @@ fn order_in_time(record: &mut Record) -> Result<(), Failure> {
 /// Returns the frequency of a mode, Hz.
 fn frequency(mode: &Mode, h: f64, steps: f64, set: Stabilisation) -> Result<f64, Failure> {
     let (setup, amplitude) = vibration(mode, h, steps, set)?;
-    frequency_of(Run::lagged(setup)?, (PERIODS + 0.5) / mode.hertz(), amplitude)
+    frequency_of(DirectRun::lagged(setup)?, (PERIODS + 0.5) / mode.hertz(), amplitude)
 }
 
 /// Returns the setup of a disk in the shape of a mode, and the map of its displacements to the amplitude of the mode.

@@ -9,7 +9,7 @@ use cutwater::solver::{FluidBoundary, Setup};
 use rand::RngExt;
 use rand_xoshiro::SplitMix64;
 
-use super::flow::{Flow, Known, set_sides};
+use super::flow::{Flow, KnownFlow, set_sides};
 use super::{Failure, P, T, V};
 
 /// Size of the cells of the background.
@@ -21,7 +21,7 @@ pub(super) fn background(h: f64) -> Result<SimplexMesh<2>, Failure> {
 }
 
 /// Velocity `a x + b` and pressure `g · x + p`, with the body force that makes the flow steady.
-pub(super) struct Linear {
+pub(super) struct LinearFlow {
     pub(super) a: T,
     pub(super) b: V,
     pub(super) g: V,
@@ -30,7 +30,7 @@ pub(super) struct Linear {
     pub(super) convects: bool,
 }
 
-impl Flow for Linear {
+impl Flow for LinearFlow {
     fn velocity(&self, x: &P, _: f64) -> V {
         self.a * x + self.b
     }
@@ -46,15 +46,15 @@ impl Flow for Linear {
     }
 }
 
-impl Linear {
+impl LinearFlow {
     /// Returns the fluid at rest with the pressure gradient `g`.
     pub(super) fn at_rest(g: V) -> Self {
         Self { a: T::zeros(), b: V::zeros(), g, p: 1.7, density: 1.2, convects: false }
     }
 
     /// Returns the flow as a problem with the given viscosity and open sides.
-    pub(super) fn known(self, viscosity: f64, open: &'static [&'static str]) -> Known<Self> {
-        Known { density: self.density, convects: self.convects, flow: Arc::new(self), viscosity, open }
+    pub(super) fn known(self, viscosity: f64, open: &'static [&'static str]) -> KnownFlow<Self> {
+        KnownFlow { density: self.density, convects: self.convects, flow: Arc::new(self), viscosity, open }
     }
 }
 
@@ -66,8 +66,8 @@ pub(super) fn still(
     tolerance: f64,
     side: impl Fn() -> FluidBoundary<2>,
 ) -> Result<Setup<2>, Failure> {
-    let flow = Arc::new(Linear::at_rest(V::zeros()));
-    let known = Known { flow, density: 1.0, viscosity, convects: true, open: &[] };
+    let flow = Arc::new(LinearFlow::at_rest(V::zeros()));
+    let known = KnownFlow { flow, density: 1.0, viscosity, convects: true, open: &[] };
     let mut setup = known.setup(background, dt);
     setup.newton = NewtonSettings::new(tolerance);
     set_sides(&mut setup, side)?;

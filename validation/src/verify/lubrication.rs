@@ -7,8 +7,8 @@ use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solver::{FluidBoundary, Setup, Stabilisation};
 
-use super::flow::{self, At, PAPERS_PENALTY, disk, fluid_mut, fluid_of, interface, polygon};
-use super::linear_flow::Linear;
+use super::flow::{self, FlowPoint, PAPERS_PENALTY, disk, fluid_mut, fluid_of, interface, polygon};
+use super::linear_flow::LinearFlow;
 use super::signal::bisect;
 use super::{Failure, P, Record, V, short};
 
@@ -156,7 +156,7 @@ fn force(gap: f64, cells: f64) -> Result<f64, Failure> {
 
 /// Returns the setup of the cylinder over the wall.
 pub(super) fn approach(background: SimplexMesh<2>, gap: f64, n_corners: usize) -> Result<Setup<2>, Failure> {
-    let known = Linear::at_rest(V::zeros()).known(1.0, &[]);
+    let known = LinearFlow::at_rest(V::zeros()).known(1.0, &[]);
     let mut setup = known.setup(background, STEADY);
     let fluid = fluid_mut(&mut setup)?;
     let tag = |name: &str| fluid.background.tag(name).ok_or("a side of a box");
@@ -173,7 +173,7 @@ pub(super) fn approach(background: SimplexMesh<2>, gap: f64, n_corners: usize) -
 }
 
 /// A film on a mesh that may be too coarse for it.
-struct Film {
+struct CoarseFilm {
     /// Force over viscosity and speed.
     force: f64,
     /// Shares of the displaced fluid: past the end of the film, through the surface, lost in cells.
@@ -183,7 +183,7 @@ struct Film {
 }
 
 /// Computes a film of any thickness on one and the same mesh.
-fn film(gap: f64, stabilisation: Stabilisation) -> Result<Film, Failure> {
+fn film(gap: f64, stabilisation: Stabilisation) -> Result<CoarseFilm, Failure> {
     // Edges of a quarter of a cell, a corner at the lowest point.
     let n = 4 * (2.0 * PI / SIZE).ceil() as usize;
     let mut setup = approach(graded(SERIES_FILM, SIZE)?, gap, n)?;
@@ -204,10 +204,10 @@ fn film(gap: f64, stabilisation: Stabilisation) -> Result<Film, Failure> {
         }
     }
     // No cell is half in the film.
-    let divergence = |at: &At| [if at.x[0] < end && at.x[1] < 1.0 { at.gradient.trace() } else { 0.0 }];
+    let divergence = |at: &FlowPoint| [if at.x[0] < end && at.x[1] < 1.0 { at.gradient.trace() } else { 0.0 }];
     let lost = -flow::integrals(&setup, &state, divergence)?[0] / swept;
     let through = through / swept;
-    Ok(Film {
+    Ok(CoarseFilm {
         force: 2.0 * flow::force(&state, &report, 0, &P::zeros())?.0[1],
         shares: [1.0 - through - lost, through, lost],
         shear: shear / of_parabola,

@@ -69,7 +69,7 @@ use crate::table;
 pub(crate) use crate::table::short;
 use crate::workers;
 pub(crate) use record::Record;
-pub(crate) use run::{P, Run, T, V};
+pub(crate) use run::{DirectRun, P, T, V};
 
 /// A named check.
 struct Check {

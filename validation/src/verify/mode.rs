@@ -8,7 +8,7 @@ use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SolidMesh};
 
 use super::dry::{Elastic, Scheme, elastic};
 use super::signal::passage;
-use super::{Failure, P, Run, V};
+use super::{DirectRun, Failure, P, V};
 
 // The disk of the falling balls: radius, cm; density, g/cm^3; Lame parameters, dyn/cm^2.
 pub(super) const RADIUS: f64 = 4.0;
@@ -87,7 +87,7 @@ impl Mode {
 
 /// Computes the frequency of the oscillation of the first body until a time, Hz. `amplitude` maps its displacements to
 /// a number.
-pub(super) fn frequency_of(mut run: Run, end: f64, amplitude: impl Fn(&[V]) -> f64) -> Result<f64, Failure> {
+pub(super) fn frequency_of(mut run: DirectRun, end: f64, amplitude: impl Fn(&[V]) -> f64) -> Result<f64, Failure> {
     let mut samples = Vec::new();
     while run.state.time < end {
         run.advance()?;

@@ -9,7 +9,7 @@ use cutwater::mesh::generate::structured_box;
 use cutwater::solver::{Setup, State};
 
 use super::dry::{Scheme, second_order};
-use super::flow::{self, Errors, Flow, Known, disk, fluid_mut, outside, polygon};
+use super::flow::{self, Errors, Flow, KnownFlow, disk, fluid_mut, outside, polygon};
 use super::record::Points;
 use super::{Failure, P, Record, T, V};
 
@@ -113,8 +113,8 @@ fn in_time(record: &mut Record, n: usize) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Time step, and error of the velocity in L2 with the exact flow as the history of uncovered fluid: measured once,
-/// with closures that the solver does not have.
+/// Time steps and L2 errors of the velocity if uncovered fluid has the exact flow as its history. Measured once, with a
+/// modified solver.
 const EXACT_CLOSURE: [(f64, f64); 2] = [(0.1, 1.541e-4), (0.05, 1.567e-4)];
 /// A viscosity with which the extension of velocities to uncovered fluid shows.
 const SMALL_VISCOSITY: f64 = 1e-3;
@@ -150,8 +150,8 @@ fn of_schemes(record: &mut Record) -> Result<(), Failure> {
     for (scheme_name, scheme, orders) in schemes {
         let mut sequence = Sequence::new();
         for dt in (0..6).map(|k| 0.1 * 0.5_f64.powi(k)) {
-            let known =
-                Known { flow: Arc::new(Swaying), density: 1.0, viscosity: VISCOSITY, convects: true, open: &["right"] };
+            let flow = Arc::new(Swaying);
+            let known = KnownFlow { flow, density: 1.0, viscosity: VISCOSITY, convects: true, open: &["right"] };
             let (setup, state) = past_moving_disk(&known, &scheme, SPEED, N, dt)?;
             sequence.push((dt, known.errors(&setup, &state)?));
         }
@@ -166,9 +166,9 @@ fn of_schemes(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Measures orders in the time step on a flow that changes fast and is curved: the extension to uncovered fluid is not
-/// exact. The differences between a step and half of it are free of the error of the mesh, which the errors of the
-/// gradient reach.
+/// Measures orders in the time step on a curved flow that changes fast. The extension to uncovered fluid is not exact
+/// there. Differences between a step and half of it do not contain the error of the mesh, which limits the errors of
+/// the gradient.
 fn of_curved_flow(record: &mut Record) -> Result<(), Failure> {
     let (n, n_steps) = if record.full { (96, 5) } else { (48, 4) };
     let scheme = second_order(RHO_INF)?;
@@ -176,7 +176,7 @@ fn of_curved_flow(record: &mut Record) -> Result<(), Failure> {
     let mut coarser: Option<(f64, State<2>)> = None;
     for dt in (0..n_steps).map(|k| 0.1 * 0.5_f64.powi(k)) {
         let flow = Arc::new(TaylorGreen { viscosity: SMALL_VISCOSITY, pulse: 0.5 });
-        let known = Known { flow, density: 1.0, viscosity: SMALL_VISCOSITY, convects: true, open: &["right"] };
+        let known = KnownFlow { flow, density: 1.0, viscosity: SMALL_VISCOSITY, convects: true, open: &["right"] };
         let (setup, state) = past_moving_disk(&known, &scheme, SPEED, n, dt)?;
         errors.push((dt, known.errors(&setup, &state)?));
         if let Some((dt, coarser)) = &coarser {
@@ -226,13 +226,13 @@ fn hole(centre: P, radius: f64, n: usize) -> Vec<P> {
     disk(centre, radius, (std::f64::consts::TAU * radius * n as f64).round() as usize)
 }
 
-fn steady<F: Flow>(known: &Known<F>, setup: &Setup<2>) -> Result<Measured, Failure> {
+fn steady<F: Flow>(known: &KnownFlow<F>, setup: &Setup<2>) -> Result<Measured, Failure> {
     let (state, _) = flow::run(setup, 1)?;
     Ok((known.errors(setup, &state)?, None))
 }
 
 /// Measures a steady flow past a disk at rest.
-fn past_disk<F: Flow>(known: &Known<F>, n: usize) -> Result<Measured, Failure> {
+fn past_disk<F: Flow>(known: &KnownFlow<F>, n: usize) -> Result<Measured, Failure> {
     let mut setup = known.setup(square(n)?, STEADY);
     setup.bodies.push(polygon(&[hole(centre(), 0.2, n)], |x, _| *x, known.velocity()));
     steady(known, &setup)
@@ -256,7 +256,7 @@ impl Flow for StokesPolynomial {
 
 fn stokes_polynomial(n: usize) -> Result<Measured, Failure> {
     let flow = Arc::new(StokesPolynomial);
-    let known = Known { flow, density: 1.0, viscosity: 1.0, convects: false, open: &["right"] };
+    let known = KnownFlow { flow, density: 1.0, viscosity: 1.0, convects: false, open: &["right"] };
     past_disk(&known, n)
 }
 
@@ -285,7 +285,7 @@ fn kovasznay(n: usize) -> Result<Measured, Failure> {
     let half = 0.5 * REYNOLDS;
     let flow = Kovasznay { lambda: half - half.hypot(2.0 * PI) };
     let known =
-        Known { flow: Arc::new(flow), density: 1.0, viscosity: 1.0 / REYNOLDS, convects: true, open: &["right"] };
+        KnownFlow { flow: Arc::new(flow), density: 1.0, viscosity: 1.0 / REYNOLDS, convects: true, open: &["right"] };
     past_disk(&known, n)
 }
 
@@ -319,8 +319,9 @@ impl Flow for Couette {
 }
 
 /// Returns the flow in an annulus and its setup, in a box of squares of size 1/n.
-pub(super) fn couette_setup(n: usize, centre: P) -> Result<(Known<Couette>, Setup<2>), Failure> {
-    let known = Known { flow: Arc::new(Couette { centre }), density: 1.0, viscosity: 1.0, convects: true, open: &[] };
+pub(super) fn couette_setup(n: usize, centre: P) -> Result<(KnownFlow<Couette>, Setup<2>), Failure> {
+    let known =
+        KnownFlow { flow: Arc::new(Couette { centre }), density: 1.0, viscosity: 1.0, convects: true, open: &[] };
     let background = structured_box::<2>([-0.6; 2], [0.7; 2], [13 * n / 10; 2])?;
     let mut setup = known.setup(background, STEADY);
     setup.bodies.push(polygon(&[hole(centre, 0.25, n)], |x, _| *x, known.velocity()));
@@ -366,7 +367,7 @@ impl Flow for DiskVortex {
 }
 
 fn disk_vortex(n: usize) -> Result<Measured, Failure> {
-    let known = Known { flow: Arc::new(DiskVortex), density: 1.0, viscosity: 1.0, convects: true, open: &[] };
+    let known = KnownFlow { flow: Arc::new(DiskVortex), density: 1.0, viscosity: 1.0, convects: true, open: &[] };
     let mut setup = known.setup(square(n)?, STEADY);
     // Inscribed in the circle it would be smaller than the disk; that of the same area is in error by h² too.
     let wall = outside(hole(centre(), DiskVortex::RADIUS, n), P::zeros(), 2.0);
@@ -430,16 +431,16 @@ fn taylor_green_past(
     viscosity: f64,
     n: usize,
     dt: f64,
-) -> Result<(Known<TaylorGreen>, Setup<2>, State<2>), Failure> {
+) -> Result<(KnownFlow<TaylorGreen>, Setup<2>, State<2>), Failure> {
     let flow = TaylorGreen { viscosity, pulse: 0.0 };
-    let known = Known { flow: Arc::new(flow), density: 1.0, viscosity, convects: true, open: &["right"] };
+    let known = KnownFlow { flow: Arc::new(flow), density: 1.0, viscosity, convects: true, open: &["right"] };
     let (setup, state) = past_moving_disk(&known, scheme, speed, n, dt)?;
     Ok((known, setup, state))
 }
 
 /// Computes a flow past a disk of any speed to time 0.4.
 fn past_moving_disk<F: Flow>(
-    known: &Known<F>,
+    known: &KnownFlow<F>,
     scheme: &Scheme,
     speed: V,
     n: usize,

@@ -14,7 +14,7 @@ const OVERLAP: f64 = 0.02;
 const APART: f64 = 0.5;
 /// Ratio of the moduli of the disks.
 const MODULI: f64 = 4.0;
-/// Largest relative difference of the ratio of their strain energies from it: strains are up to some percent, and
+/// Largest relative difference of the ratio of their strain energies from `MODULI`: strains are up to some percent, and
 /// energies are quadratic.
 const ENERGIES: f64 = 0.2;
 /// Least distance of the centres along the flow at the end, cm: two diameters.

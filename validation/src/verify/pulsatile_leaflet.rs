@@ -1,7 +1,7 @@
 //! An elastic leaflet in a pulsatile channel flow, compared with the beam of oomph-lib.
 
 use super::example::Example;
-use super::record::{Points, Table, worse};
+use super::record::{Points, TextTable, worse};
 use super::signal::falls;
 use super::{Failure, Record, V, short};
 
@@ -95,7 +95,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         "largest difference over 0.43 m",
         "time [s]",
     ];
-    record.tables.push(Table { head: head.map(str::to_owned).into(), rows });
+    record.tables.push(TextTable { head: head.map(str::to_owned).into(), rows });
     along.push(("beam".to_owned(), curve(&beam, 0)));
     across.push(("beam".to_owned(), curve(&beam, 1)));
     record.figure("Displacement of the tip along the channel [m]", "t [s]", along);

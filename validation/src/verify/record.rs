@@ -9,7 +9,7 @@ use super::short;
 
 /// A number with its reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Row {
+pub(crate) struct RecordRow {
     pub(crate) check: String,
     pub(crate) quantity: String,
     /// Value of the quantity; `None` if it is not finite.
@@ -22,7 +22,7 @@ pub(crate) struct Row {
     pub(crate) verdict: String,
 }
 
-impl Row {
+impl RecordRow {
     pub(crate) fn holds(&self) -> bool {
         self.verdict != "FAIL"
     }
@@ -35,7 +35,7 @@ pub(crate) type Points = Vec<(f64, f64)>;
 
 /// A table of texts.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Table {
+pub(crate) struct TextTable {
     pub(crate) head: Vec<String>,
     pub(crate) rows: Vec<Vec<String>>,
 }
@@ -52,8 +52,8 @@ pub(crate) struct Record {
     pub(crate) directory: PathBuf,
     /// Wall-clock time of the check, s; if its runs may be of earlier commands, the sum of their times.
     pub(crate) seconds: f64,
-    pub(crate) rows: Vec<Row>,
-    pub(crate) tables: Vec<Table>,
+    pub(crate) rows: Vec<RecordRow>,
+    pub(crate) tables: Vec<TextTable>,
     /// Curves of measured numbers; both axes are logarithmic if the horizontal one is.
     pub(crate) figures: Vec<Chart>,
     /// Settings, and reasons for missed bounds.
@@ -66,7 +66,7 @@ impl Record {
     }
 
     pub(crate) fn holds(&self) -> bool {
-        self.rows.iter().all(Row::holds)
+        self.rows.iter().all(RecordRow::holds)
     }
 
     /// Adds a number that must be within `tolerance` of a reference.
@@ -151,7 +151,7 @@ impl Record {
     ) {
         let verdict = holds.map_or("-", |holds| if holds { "pass" } else { "FAIL" }).to_owned();
         let computed = Some(computed).filter(|value| value.is_finite());
-        self.rows.push(Row { check: self.check.clone(), quantity, computed, reference, tolerance, verdict });
+        self.rows.push(RecordRow { check: self.check.clone(), quantity, computed, reference, tolerance, verdict });
     }
 
     /// Adds observed orders of convergence between neighbours of a sequence of sizes and errors, of which the last must

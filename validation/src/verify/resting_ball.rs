@@ -14,7 +14,7 @@ use cutwater::solver::{Contact, FluidBoundary};
 
 use super::dry::{elastic, floor_by};
 use super::flow::{fluid, problem};
-use super::{Failure, P, Record, Run, V};
+use super::{DirectRun, Failure, P, Record, V};
 
 // Radius, cm, and densities, g/cm³.
 const RADIUS: f64 = 1.0;
@@ -71,7 +71,7 @@ fn at_rest(coordinates: Coordinates, law: impl ContactLaw + 'static, ambient: f6
     setup.bodies = vec![ball.body("ball")?];
     let contact = Contact::new(&setup.bodies, BodyId::new(0), touch.facets, touch.form, touch.obstacle)?;
     setup.contacts = vec![contact];
-    let mut run = Run::new(setup)?;
+    let mut run = DirectRun::new(setup)?;
     let mut report = run.advance()?;
     for _ in 1..STEPS {
         run.setup.dt *= GROWTH;

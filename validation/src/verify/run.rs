@@ -11,13 +11,13 @@ pub(crate) type V = Vector<2>;
 pub(crate) type T = Tensor<2>;
 
 /// A problem and its state at a time.
-pub(crate) struct Run<const D: usize = 2> {
+pub(crate) struct DirectRun<const D: usize = 2> {
     pub(crate) setup: Setup<D>,
     pub(crate) state: State<D>,
     work: Workspace,
 }
 
-impl<const D: usize> Run<D> {
+impl<const D: usize> DirectRun<D> {
     /// Creates the run of a setup from time zero, with the direct solver.
     pub(crate) fn new(setup: Setup<D>) -> Result<Self, Failure> {
         let state = State::initial(&setup)?;

@@ -9,7 +9,7 @@ use cutwater::solver::{FluidBoundary, Setup, Stabilisation};
 
 use super::flow::{disk, fluid_mut, rigid_polygon};
 use super::linear_flow::still;
-use super::{Failure, P, Record, Run, V, short};
+use super::{DirectRun, Failure, P, Record, V, short};
 use crate::units::cgs;
 
 /// Width and height of the box, cm.
@@ -99,7 +99,7 @@ fn largest(fall: &DiskFall) -> f64 {
 fn sink(h: f64, dt: f64, set: Stabilisation) -> Result<DiskFall, Failure> {
     let mut setup = setup(h, dt)?;
     fluid_mut(&mut setup)?.stabilisation = set;
-    let mut run = Run::lagged(setup)?;
+    let mut run = DirectRun::lagged(setup)?;
     let mut fall = DiskFall { reynolds: Vec::new(), drift: 0.0, angle: 0.0, remainder: 0.0 };
     loop {
         let report = run.advance()?;

@@ -4,7 +4,7 @@ use cutwater::io::ScenarioFile;
 use cutwater::io::scenario::case::case;
 
 use super::signal::passage;
-use super::{Failure, Record, Run, short};
+use super::{DirectRun, Failure, Record, short};
 use crate::case::example_path;
 
 /// A case of the experiment: name, density and viscosity of the oil, speed in an infinite fluid, largest measured
@@ -129,7 +129,7 @@ fn fall(of: &Experiment, step: f64, changes: &[String], end: f64) -> Result<Vec<
         format!("time.end={}", 100.0 * dt),
     ]);
     let case = case::<2>(&ScenarioFile::read(&example_path("settling-sphere"), &changes)?)?;
-    let mut run = Run::lagged(case.setup)?;
+    let mut run = DirectRun::lagged(case.setup)?;
     let mut found = Vec::new();
     let last = end.min(LONGEST * 0.12 / of.largest);
     while run.state.time < last {

@@ -14,9 +14,9 @@ use cutwater::solid_svk::{
 use cutwater::solver::{FluidBoundary, Setup, StepReport};
 
 use super::dry::{Scheme, second_order};
-use super::flow::{self, Flow, Known, fluid_mut, fluid_of, wet};
+use super::flow::{self, Flow, KnownFlow, fluid_mut, fluid_of, wet};
 use super::signal::mean;
-use super::{Failure, P, Record, Run, T, V, short};
+use super::{DirectRun, Failure, P, Record, T, V, short};
 
 // Height of the elastic layer, and of both.
 const INTERFACE: f64 = 0.5;
@@ -181,7 +181,7 @@ struct LayerResults {
     /// Error of the velocity of the fluid in L2, cm²/s.
     fluid: f64,
     /// The run at its end.
-    run: Run,
+    run: DirectRun,
     /// Displacement of the vertices of the body, and its largest error.
     displacement: Vec<V>,
     solid: f64,
@@ -200,11 +200,12 @@ impl LayerResults {
 /// Computes half a period with the weight `alpha` of the fluid's traction; `n` is the number 1/h in x and in y.
 fn run(n: [usize; 2], steps: usize, scheme: &Scheme, alpha: f64) -> Result<LayerResults, Failure> {
     let layer = Arc::new(Layer::new());
-    let known = Known { flow: Arc::clone(&layer), density: DENSITY, viscosity: VISCOSITY, convects: true, open: &[] };
+    let known =
+        KnownFlow { flow: Arc::clone(&layer), density: DENSITY, viscosity: VISCOSITY, convects: true, open: &[] };
     let solid = solid(n)?;
     let mut setup = Setup { scheme: Arc::clone(scheme), ..setup(&known, n, END / steps as f64)? };
     fluid_mut(&mut setup)?.alpha = alpha;
-    let mut run = Run::new(setup)?;
+    let mut run = DirectRun::new(setup)?;
     let mut amplitudes = [Complex::new(0.0, 0.0); 3];
     for step in 1..=steps {
         let stage = run.state.step_time(&run.setup, run.setup.dt).stage();
@@ -217,7 +218,7 @@ fn run(n: [usize; 2], steps: usize, scheme: &Scheme, alpha: f64) -> Result<Layer
             }
         }
     }
-    let Run { setup, state, .. } = &run;
+    let DirectRun { setup, state, .. } = &run;
     let vertices = setup.bodies[0].reference().iter().zip(state.bodies[0].displacement());
     let errors = vertices.map(|(x, d)| (d[0] - layer.displacement(x[1], state.time)).abs());
     let solid = errors.fold(0.0, f64::max);
@@ -231,7 +232,7 @@ fn largest_change(a: &[V], b: &[V]) -> f64 {
 }
 
 /// Computes means over x, in the order of [`KNOWN`].
-fn values(Run { setup, state, .. }: &Run, report: &StepReport<2>) -> Result<[f64; 3], Failure> {
+fn values(DirectRun { setup, state, .. }: &DirectRun, report: &StepReport<2>) -> Result<[f64; 3], Failure> {
     let of_body = setup.bodies[0].reference().iter().zip(state.bodies[0].displacement());
     let displacement = of_body.filter(|(x, _)| x[1] == INTERFACE && is_in_box(x[0])).map(|(_, d)| d[0]);
     let stress = flow::force(state, report, 0, &P::zeros())?.0[0] / LENGTH;
@@ -249,7 +250,7 @@ fn values(Run { setup, state, .. }: &Run, report: &StepReport<2>) -> Result<[f64
 }
 
 /// Returns the setup of the box of fluid and the body below it.
-fn setup(known: &Known<Layer>, [n_x, n_y]: [usize; 2], dt: f64) -> Result<Setup<2>, Failure> {
+fn setup(known: &KnownFlow<Layer>, [n_x, n_y]: [usize; 2], dt: f64) -> Result<Setup<2>, Failure> {
     // An odd number of rows: the interface lies in the middle of cells.
     let rows = 2 * (n_y / 2) + 1;
     let background = structured_box::<2>([0.0, 0.0], [LENGTH, PLATE], [(2 * n_x).div_ceil(5), rows])?;

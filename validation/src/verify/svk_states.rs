@@ -1,4 +1,4 @@
-//! Uniform states of a Saint Venant-Kirchhoff body: found from rest on a mesh, against their closed forms.
+//! Uniform states of a Saint Venant-Kirchhoff body: found from rest on a mesh, compared with their closed forms.
 //!
 //! Source: `P = F S`, `S = λ tr(E) I + 2 μ E`, `E = (FᵀF - I)/2` for a uniform `F`, in plane strain and in space.
 
@@ -17,18 +17,20 @@ use super::record::worse;
 use super::signal::bisect;
 use super::{Failure, Record, short};
 
-// Lame parameters of the falling balls, dyn/cm^2.
+/// Lamé parameter `μ` of the falling balls, dyn/cm².
 const MU: f64 = 2e6;
+/// Lamé parameter `λ` of the falling balls, dyn/cm².
 const LAMBDA: f64 = 8e6;
 /// Axial first Piola-Kirchhoff stress relative to the modulus of the state, for the stretches 0.8, 0.9, 1.05, 1.1 and
 /// 1.2.
 const LOADS: [f64; 5] = [-0.144, -0.0855, 0.053_812_5, 0.1155, 0.264];
 /// Shears, relative to the height of the block.
 const SHEARS: [f64; 2] = [0.1, 0.3];
-/// Pressures on the disk, dyn/cm^2.
+/// Pressures on the disk, dyn/cm².
 const PRESSURES: [f64; 3] = [1e4, 1e5, 1e6];
-// Angle of the rotation, rad, and its steps.
+/// Angle of the rotation, rad.
 const ANGLE: f64 = 2.1;
+/// Number of steps of the rotation.
 const TURNS: u32 = 60;
 /// Radius of the disk, cm.
 const RADIUS: f64 = 4.0;
@@ -39,7 +41,8 @@ const ROUND_OFF: f64 = 1e-9;
 const SIDES: [&[[&str; 2]]; 2] =
     [&[["left", "right"], ["bottom", "top"]], &[["left", "right"], ["front", "back"], ["bottom", "top"]]];
 
-/// Returns the root of an increasing function between 0.6 and 1.5: beyond the limit point of compression, `1/√3`.
+/// Returns the root of an increasing function between 0.6 and 1.5. Stretches below the limit point of compression,
+/// `1/√3`, are excluded.
 fn root(function: impl Fn(f64) -> f64) -> f64 {
     bisect([0.6, 1.5], |s| function(s) > 0.0)
 }
@@ -60,7 +63,7 @@ struct Uniform<const D: usize> {
     gradient: Tensor<D>,
     /// First Piola-Kirchhoff stress in closed form.
     piola: Tensor<D>,
-    /// The sides that keep their planes, the low and the high one of each axis.
+    /// For the low and the high side of each axis: whether its normal displacement is zero.
     planes: [[bool; 2]; D],
     /// The axis whose low side does not move at all.
     base: Option<usize>,
@@ -169,6 +172,7 @@ fn deviation<const D: usize>(
     Ok(moved.chain(stressed).fold(0.0, worse))
 }
 
+/// Records the deviation of a block in a uniform state.
 fn uniform<const D: usize>(record: &mut Record, state: &Uniform<D>) -> Result<(), Failure> {
     let cauchy = state.cauchy();
     let displacement = |x: &Point<D>| state.gradient * x - x;

@@ -1,7 +1,7 @@
 //! Valves that close against a pressure and open again: two leaflets, and a ball in a conical seat.
 
 use super::example::Example;
-use super::record::{Points, Table};
+use super::record::{Points, TextTable};
 use super::{Failure, Record, short};
 use crate::units::cgs;
 
@@ -87,7 +87,7 @@ fn measure(record: &mut Record, example: &str, coarse: &[&str]) -> Result<Exampl
         "leak: mean flux while closed [<flux>]",
         "largest value at an instant of this time [<flux>]",
     ];
-    record.tables.push(Table { head: head.map(cgs).into(), rows });
+    record.tables.push(TextTable { head: head.map(cgs).into(), rows });
     let size = run.setup.contacts.first().ok_or("there is a contact")?.form().size();
     let while_closed = |touching: &Points| {
         let [begin, end] = CLOSED.map(|part| part * PERIOD);

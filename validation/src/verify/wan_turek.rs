@@ -11,7 +11,7 @@ use super::dry::second_order;
 use super::flow::{differences, disk, fluid_mut, interface, polygon};
 use super::linear_flow::still;
 use super::signal::{range, rms, rough, slope};
-use super::{Failure, P, Record, Run, V, short};
+use super::{DirectRun, Failure, P, Record, V, short};
 
 // Length and height of the channel; where the centre of the cylinder begins; its diameter, m.
 const CHANNEL: [f64; 2] = [2.2, 0.41];
@@ -122,7 +122,7 @@ fn order_with(record: &mut Record, time: Option<f64>, of_time: &str) -> Result<(
         // With a spectral radius of zero the stage is the end, and the last geometry is the same for all steps.
         setup.scheme = second_order(0.0)?;
         fluid_mut(&mut setup)?.stabilisation.time = time;
-        let mut run = Run::lagged(setup)?;
+        let mut run = DirectRun::lagged(setup)?;
         for _ in 0..n {
             run.advance()?;
         }
@@ -236,7 +236,7 @@ fn run(h: f64, part: usize, end: f64) -> Result<Signal, Failure> {
     // Half a period is a whole number of steps.
     let half_period = 0.5 / FREQUENCY;
     let dt = half_period / (part as f64 * (half_period / (STEP_OVER_SIZE * h)).round());
-    let mut run = Run::lagged(setup(h, dt, |t| {
+    let mut run = DirectRun::lagged(setup(h, dt, |t| {
         let angle = TAU * FREQUENCY * t;
         [AMPLITUDE * angle.sin(), speed() * angle.cos()]
     })?)?;

@@ -50,9 +50,9 @@ const LIBRARY_WORDS: &[(&[&str], &[&str], &str)] = &[
         "take the weights of the time scheme",
     ),
     (
-        &["/ time.length", "/ self.time.length", "/ step.time.length"],
-        // The difference quotient of a given velocity, and the weight of a collision.
-        &["crates/body/src/prescribed.rs", "crates/solver/src/collision.rs"],
+        &["/ time.length", "/ self.time.length", "/ step.time.length", "/ self.length"],
+        // The difference quotient of a given velocity, the weight of a collision, and round-off of velocities.
+        &["crates/body/src/prescribed.rs", "crates/solver/src/collision.rs", "crates/body/src/step_time.rs"],
         "take the weights of the time scheme",
     ),
     (

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use super::source::{Source, words};
 use super::tree::{Finding, Tree};
 
-/// File names without content.
+/// Words in names of files that do not describe a subject.
 const EMPTY_WORDS: &[&str] = &["utils", "util", "helpers", "common", "misc", "stuff", "kernel"];
 /// Shared files of tests, named as in cargo's own book.
 const TEST_FOLDERS: &[&str] = &["/tests/common/mod.rs"];
-/// Ends of the name of a second version.
+/// Endings that mark a second version.
 const SECOND: &[&str] = &["2", "_new", "_old", "New", "Old"];
 /// Type names that several crates or commands may define.
 const SHARED: &[&str] = &["Error", "Arguments"];
@@ -31,7 +31,7 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
                     let advice = format!("`{name}`: replace the first version instead");
                     findings.push(Finding::new(&source.path, number, advice));
                 }
-                // Declarations inside of macros are indented; `$Name` in the macro itself is no name.
+                // Declarations inside of macros are indented; `$Name` in the macro itself is not a declared name.
                 // An indented `type` is an associated one, of a trait of the standard library or our own.
                 let is_type = ["struct", "enum", "trait"].contains(&kind)
                     || kind == "type" && !line.starts_with(char::is_whitespace);

@@ -287,7 +287,7 @@ impl<'m, T: RealField + Copy + Into<f64>> Elimination<'m, T> {
         lu_in_place(block.as_mut(), exchanges, positions, Par::Seq, stack, Default::default());
         for (k, size) in self.sizes.iter().enumerate() {
             let pivot: f64 = block[(k, k)].into();
-            // The condition is written such that NaN is refused, too.
+            // The condition also holds for NaN.
             if !(pivot.abs() > SMALL_PIVOT * eps::<T>().into() * size && pivot.is_finite()) {
                 return Err(LinearError::Singular { growth: f64::INFINITY });
             }
@@ -451,7 +451,8 @@ mod tests {
 
     #[test]
     fn a_pivot_without_size_is_an_error_and_there_are_no_factors_then() {
-        // Zero diagonal entries in nodes of their own, far from each other: the exchange would be one of fronts.
+        // Zero diagonal entries in nodes of their own, far from each other: pivoting would have to exchange rows of
+        // different fronts, which is not possible.
         let n = 40;
         let mut triplets = sprs::TriMatI::new((2 * n, 2 * n));
         for k in 0..n {

@@ -1,4 +1,4 @@
-//! Linear systems in their scales.
+//! Equilibrated linear systems.
 
 use sprs::CsMatI;
 

@@ -66,8 +66,9 @@ pub struct Weights {
     pub displacement: Row,
     /// Velocity at the end.
     pub velocity: Row,
-    /// Acceleration at the end; zero if no field keeps it. The penalty of surfaces in a fluid then grows as steps
-    /// become shorter, and with it the added mass of bodies.
+    /// Acceleration at the end. A zero row means that no field keeps accelerations. A fluid with moving bodies needs
+    /// them: without them the penalty at surfaces contains `1/Δt`, so that the added mass of bodies grows as steps
+    /// become shorter.
     pub acceleration: Row,
     /// Displacement at the stage, at which the mesh is cut, and at the end, extrapolated from known values. Implicit
     /// Euler: the displacement at the start for both.

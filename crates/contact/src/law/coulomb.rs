@@ -1,4 +1,4 @@
-//! Contact without a gap and Coulomb friction, as projections of a stress.
+//! Signorini's condition and Coulomb friction, as projections of a stress.
 
 use super::{ContactPoint, ContactTraction};
 
@@ -27,6 +27,7 @@ impl Coulomb {
         self.stiffness * (self.offset - at.gap) - at.stress[0]
     }
 
+    /// Returns the traction and its derivatives.
     #[inline]
     pub(super) fn traction(&self, at: &ContactPoint) -> ContactTraction {
         let pressing = self.pressing(at);

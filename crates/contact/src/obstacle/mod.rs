@@ -61,8 +61,8 @@ impl<const D: usize> Projection<D> {
 pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
     /// Returns the closest point to `x`, or `None` if no candidate has one.
     ///
-    /// `positions` are the positions of the vertices of the obstacle's own body, ignored by obstacles at rest.
-    /// `candidates` are the facets that are searched, ignored by obstacles without facets.
+    /// `positions` are the positions of the vertices of the obstacle's own body, not used by obstacles at rest.
+    /// `candidates` are the facets that are searched, not used by obstacles without facets.
     fn project(&self, x: &Point<D>, positions: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>>;
 
     /// Returns whether a point is past the end of the facets that can be touched, where the gap to them has no meaning:

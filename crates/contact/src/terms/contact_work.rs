@@ -8,8 +8,9 @@ use crate::{ContactNode, ContactSite};
 /// `-(f, w^s - w^m)_{Γ^{s,n}}` with the traction `f = λ n^w + τ`; penalty: `+ (γ_C0/s) ([ε - Δ]₊, w_n^s - w_n^m)`
 ///
 /// Source: paper, Eq. (7) for a rigid obstacle, Eq. (11) and the two-body form for a deformable one.
-/// Couples: velocities of slave and master, and the dofs of the stress.   Domain: the slave's boundary facets, measure
-/// at step n, positions at n+1.
+/// Couples: velocities of slave and master, and the dofs of the stress.   Domain: the slave's boundary facets. The
+/// measure is that at the start of the step. Positions are the shifted positions of the time scheme (implicit Euler:
+/// those at the end).
 /// Units: force (2D: per unit depth).
 /// With the share `s_a` of a vertex in `r = x - Π(x)` (`N_a` at the slave, minus the barycentric coordinate `β_a` at
 /// the master), `G_a = ∂β_a/∂x` (zero at the slave) and `C = ∂n/∂x`, all vertices alike:

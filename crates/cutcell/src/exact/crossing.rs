@@ -180,7 +180,8 @@ mod tests {
 
     type P = Point<2>;
 
-    /// Returns the depth of a point with respect to a counter-clockwise polygon, from a far vertex.
+    /// Returns the number of times that a counter-clockwise polygon surrounds a point, by the crossings on a segment
+    /// from a far vertex.
     fn depth(polygon: &[P], to: End<'_, 2>) -> i32 {
         let far = P::new(17.0, 0.3);
         (0..polygon.len()).map(|k| crossing(&far, to, &[polygon[k], polygon[(k + 1) % polygon.len()]])).sum()

@@ -7,12 +7,12 @@ use mesh::{BoundaryMesh, Placed, Point, SimplexMesh, Vector, VertexId};
 use crate::identities::check_identities;
 
 /// Corners and oriented facets of a closed surface.
-pub(crate) struct Body<const D: usize> {
+pub(crate) struct TestBody<const D: usize> {
     pub(crate) positions: Vec<Point<D>>,
     pub(crate) boundary: BoundaryMesh<D>,
 }
 
-impl Body<2> {
+impl TestBody<2> {
     /// Creates a closed polygon, counter-clockwise.
     pub(crate) fn polygon(positions: Vec<Point<2>>) -> Self {
         let n = positions.len() as u32;
@@ -20,7 +20,7 @@ impl Body<2> {
     }
 }
 
-impl<const D: usize> Body<D> {
+impl<const D: usize> TestBody<D> {
     pub(crate) fn new(positions: Vec<Point<D>>, facets: impl IntoIterator<Item = u32>) -> Self {
         Self { positions, boundary: BoundaryMesh::from_facets(facets.into_iter().map(VertexId).collect()) }
     }
@@ -60,13 +60,17 @@ impl<const D: usize> Body<D> {
     }
 }
 
-pub(crate) fn overlay<const D: usize>(background: &SimplexMesh<D>, bodies: &[&Body<D>]) -> CutMesh<D> {
+pub(crate) fn overlay<const D: usize>(background: &SimplexMesh<D>, bodies: &[&TestBody<D>]) -> CutMesh<D> {
     let placed: Vec<_> = bodies.iter().map(|body| body.placed()).collect();
     CutMesh::overlay(background, &placed, &OverlayOptions::new()).expect("sound surfaces")
 }
 
 /// Checks identities, and the volume of the fluid around a union of bodies of known volume.
-pub(crate) fn check_union<const D: usize>(background: &SimplexMesh<D>, bodies: &[&Body<D>], union: f64) -> CutMesh<D> {
+pub(crate) fn check_union<const D: usize>(
+    background: &SimplexMesh<D>,
+    bodies: &[&TestBody<D>],
+    union: f64,
+) -> CutMesh<D> {
     let cut = overlay(background, bodies);
     check_identities(background, &cut);
     let (fluid, domain) = (cut.fluid_volume(), background.volume());
@@ -75,7 +79,7 @@ pub(crate) fn check_union<const D: usize>(background: &SimplexMesh<D>, bodies: &
 }
 
 /// Checks a body inside the background: its normals sum to zero and its whole surface is wet.
-pub(crate) fn check_immersed<const D: usize>(background: &SimplexMesh<D>, body: &Body<D>) {
+pub(crate) fn check_immersed<const D: usize>(background: &SimplexMesh<D>, body: &TestBody<D>) {
     let cut = check_union(background, &[body], body.volume());
     let normals: Vector<D> = cut.interface().iter().map(|p| p.normal * p.measure).sum();
     let area: f64 = cut.interface().iter().map(|p| p.measure).sum();

@@ -68,7 +68,7 @@ fn lines(found: &MeshStatistics) -> Vec<String> {
     lines.extend(notes.iter().filter(|(n, _)| *n > 0).map(|(n, note)| format!("note        {n} {note}")));
     if let Some(place) = &found.first_folded {
         lines.push(format!(
-            "note        {} cells of order 2 are folded by their curved edges, the first one near {place:?}: such cells are refused for order 2; straighten the edges there",
+            "note        {} cells of order 2 are folded by their curved edges, the first one near {place:?}: such cells are an error for order 2; straighten the edges there",
             found.n_folded
         ));
     }

@@ -60,7 +60,7 @@ pub(crate) fn warn(line: &str) {
 
 /// Properties of a run on which the advice after a failure depends.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Traits {
+pub(crate) struct RunProperties {
     /// Whether the run has contacts.
     pub(crate) has_contacts: bool,
     /// Whether steps have neither inertia nor a fluid.
@@ -74,7 +74,7 @@ pub(crate) enum Failure {
         /// The error.
         error: Error,
         /// Properties of the run, on which the advice depends.
-        traits: Traits,
+        properties: RunProperties,
     },
     /// The page of a run cannot be written.
     #[cfg(feature = "report")]
@@ -83,7 +83,7 @@ pub(crate) enum Failure {
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
-        Self::Run { error, traits: Traits::default() }
+        Self::Run { error, properties: RunProperties::default() }
     }
 }
 
@@ -134,7 +134,7 @@ impl Failure {
     /// Returns the error with its causes, and the history of residuals if Newton's method failed.
     pub(crate) fn explain(&self) -> String {
         match self {
-            Self::Run { error: Error::Step(step), traits } => chain(step) + &advice(step, *traits),
+            Self::Run { error: Error::Step(step), properties } => chain(step) + &advice(step, *properties),
             Self::Run { error: error @ Error::Interrupted { .. }, .. } => error.to_string(),
             Self::Run { error, .. } => chain(error),
             #[cfg(feature = "report")]
@@ -159,7 +159,7 @@ fn chain(error: &dyn std::error::Error) -> String {
 }
 
 /// Returns the keys of the scenario that may help, and the history of residuals if Newton's method failed.
-fn advice(step: &solver::StepError, traits: Traits) -> String {
+fn advice(step: &solver::StepError, properties: RunProperties) -> String {
     let newton = match &step.source {
         solver::Error::Newton(newton) => newton,
         solver::Error::Multipliers { contact, .. } => {
@@ -170,7 +170,7 @@ fn advice(step: &solver::StepError, traits: Traits) -> String {
         _ => return String::new(),
     };
     let mut text = String::new();
-    if traits.is_static && matches!(newton, NewtonError::Linear { source: LinearError::Singular { .. }, .. }) {
+    if properties.is_static && matches!(newton, NewtonError::Linear { source: LinearError::Singular { .. }, .. }) {
         text += "\n  with quasi-static steps and without a fluid, nothing but supports and contacts in action determines where a body is: \
                  hold it by `body.boundary` (elastic) or `body.motion.held` (rigid), or give contact an `offset` above the gap at the start; \
                  otherwise try a smaller `time.step`";
@@ -179,7 +179,7 @@ fn advice(step: &solver::StepError, traits: Traits) -> String {
                  `solver.newton.max_iterations`";
     }
     let report = newton.report();
-    text += stagnation(&report.residual_history, traits.has_contacts);
+    text += stagnation(&report.residual_history, properties.has_contacts);
     if !report.residual_history.is_empty() {
         text += "\n  iteration   relative residual   relative correction";
     }

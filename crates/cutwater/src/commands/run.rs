@@ -13,7 +13,7 @@ use cutwater::io::{Begin, Error, Progress, RunOptions, ScenarioFile, Sizes, Step
 use cutwater::report::Recorder;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Failure, INTERRUPTED, Traits, building, print_or_ignore, warn};
+use super::{Failure, INTERRUPTED, RunProperties, building, print_or_ignore, warn};
 use crate::RunArguments;
 
 /// Time between two lines of progress without a terminal.
@@ -58,6 +58,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     match outcome {
         Ok(summary) => {
             print_summary(&summary, &shown, &mut |line| console.line(line));
+            warnings(&summary).iter().for_each(|line| console.warning(line));
             if arguments.timings || arguments.verbose {
                 print_timings(&summary, &mut |line| {
                     if arguments.timings { console.result(line) } else { console.line(line) }
@@ -72,8 +73,10 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
             }
             let scenario = file.scenario();
             let is_static = scenario.fluid.is_none() && *scenario.time.scheme == TimeSchemeChoice::QuasiStatic;
-            let failure =
-                Failure::Run { error, traits: Traits { has_contacts: !scenario.contact.is_empty(), is_static } };
+            let failure = Failure::Run {
+                error,
+                properties: RunProperties { has_contacts: !scenario.contact.is_empty(), is_static },
+            };
             console.log(&failure.explain());
             Err(failure)
         }
@@ -193,7 +196,7 @@ impl Console {
         let message =
             format!("t = {:.4} {time}{distance}{gap}{contact}, {} Newton iterations", at.time, at.newton_iterations);
         if at.is_divided {
-            let line = format!("step {} was taken in parts", at.step);
+            let line = format!("step {} was divided into substeps", at.step);
             if self.is_verbose { self.line(&line) } else { self.log(&line) }
         }
         if let Some(bar) = &self.bar {
@@ -253,39 +256,44 @@ fn print_summary(summary: &Summary, directory: &str, print_line: &mut dyn FnMut(
     if summary.divided_steps > 0 {
         print_line(&divided(summary));
     }
-    overlap(summary).iter().for_each(|line| print_line(line));
+    contact_lines(summary).iter().for_each(|line| print_line(line));
+}
+
+/// Returns the warnings about the results of a run.
+fn warnings(summary: &Summary) -> Vec<String> {
+    let mut lines: Vec<String> = overlap(summary).into_iter().collect();
     if let Some(generated) = summary.energy_generated.filter(|generated| *generated > MUCH_ENERGY) {
-        print_line(&format!(
-            "  warning: steps generated energy, in all {:.0} % of the largest energy of the run: results depend on the step; halve it, first with \
+        lines.push(format!(
+            "warning: steps generated energy, in all {:.0} % of the largest energy of the run: results depend on the step; halve it, first with \
              `--set time.step={:?}`, until `energy_generated` in summary.json is small",
             100.0 * generated,
             0.5 * summary.dt
         ));
     }
     if let Some(lost) = summary.energy_lost_in_contact.filter(|lost| *lost > MUCH_ENERGY) {
-        print_line(&format!(
-            "  warning: in steps with contact the time scheme took {:.0} % of the largest energy of the run from bodies, so that they rebound too slowly; halve the step, \
+        lines.push(format!(
+            "warning: in steps with contact the time scheme took {:.0} % of the largest energy of the run from bodies, so that they rebound too slowly; halve the step, \
              first with `--set time.step={:?}`, until `energy_lost_in_contact` in summary.json is small",
             100.0 * lost,
             0.5 * summary.dt
         ));
     }
     if let Some(lost) = summary.energy_lost_at_surfaces.filter(|lost| *lost > MUCH_AT_SURFACES) {
-        print_line(&format!(
-            "  warning: the penalty that ties the velocity of the fluid to that of surfaces took {:.0} % of the energy of the run, so that forces on bodies that \
+        lines.push(format!(
+            "warning: the penalty that ties the velocity of the fluid to that of surfaces took {:.0} % of the energy of the run, so that forces on bodies that \
              accelerate are wrong: cells near bodies are too large; take smaller ones until `energy_lost_at_surfaces` in summary.json is below \
              {MUCH_AT_SURFACES}",
             100.0 * lost
         ));
     }
     if let Some(change) = summary.closed_volume_change.map(f64::exp_m1).filter(|change| change.abs() > MUCH_CHANGE) {
-        print_line(&format!(
-            "  warning: given velocities of sides or bodies change the volume of a closed region of the fluid, in all by {:.0} % of it: the fluid has nowhere to go, and \
+        lines.push(format!(
+            "warning: given velocities of sides or bodies change the volume of a closed region of the fluid, in all by {:.0} % of it: the fluid has nowhere to go, and \
              the pressure there is wrong; give the region a side with the condition `free`, or another motion",
             100.0 * change.abs()
         ));
     }
-    contact_lines(summary).iter().for_each(|line| print_line(line));
+    lines
 }
 
 /// Returns a warning if surfaces overlap by more than a contact size.
@@ -294,7 +302,7 @@ fn overlap(summary: &Summary) -> Option<String> {
     let size = summary.max_penetration / summary.max_penetration_over_s?;
     (*gap < -size).then(|| {
         format!(
-            "  warning: {sides} overlap by {:.1} contact sizes: the step is too long, or the contact too soft; reduce the step, and raise the parameter of the law if it has one",
+            "warning: {sides} overlap by {:.1} contact sizes: the step is too long, or the contact too soft; reduce the step, and raise the parameter of the law if it has one",
             -gap / size
         )
     })
@@ -314,7 +322,7 @@ const MANY: f64 = 0.05;
 fn divided(Summary { divided_steps, steps, dt, .. }: &Summary) -> String {
     let share = *divided_steps as f64 / *steps as f64;
     let percent = (100.0 * share).round();
-    let line = format!("  {divided_steps} of {steps} steps ({percent} %) were taken in parts");
+    let line = format!("  {divided_steps} of {steps} steps ({percent} %) were divided into substeps");
     if share < MANY {
         return line;
     }
@@ -384,7 +392,7 @@ fn print_timings(summary: &Summary, print_line: &mut dyn FnMut(&str)) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Summary, contact_lines, divided, overlap};
+    use super::{Summary, contact_lines, divided, overlap, warnings};
 
     #[test]
     fn many_divided_steps_have_a_remedy() {
@@ -409,6 +417,20 @@ mod tests {
             [overlap(&summary(-0.09)), overlap(&summary(0.3)), overlap(&Summary::default())],
             [None, None, None]
         );
+    }
+
+    #[test]
+    fn each_bad_result_has_a_warning() {
+        let summary = Summary {
+            energy_generated: Some(0.5),
+            energy_lost_in_contact: Some(0.5),
+            energy_lost_at_surfaces: Some(0.5),
+            closed_volume_change: Some(0.5),
+            ..Summary::default()
+        };
+        let lines = warnings(&summary);
+        assert!(lines.len() == 4 && lines.iter().all(|line| line.starts_with("warning: ")), "{lines:#?}");
+        assert!(warnings(&Summary::default()).is_empty());
     }
 
     #[test]

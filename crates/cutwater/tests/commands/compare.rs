@@ -150,7 +150,7 @@ fn a_resumed_run_is_compared_with_a_whole_one() {
     assert!(text(&output.stdout).contains("compared until 5e-2: the runs end at 5e-2 and 1e-1"));
     assert!(text(&output.stderr).contains("they must end at the same time"), "{}", text(&output.stderr));
     assert_eq!(cutwater(&["compare", &short, &whole]).status.code(), Some(0));
-    // A refused change leaves the run as it is.
+    // An invalid change leaves the run as it is.
     for change in ["output.probes.corner.at=[1, 1]", "output.probes={}"] {
         let output = cutwater(&["resume", &short, "--set", change, "--set", "time.end=0.1", "--quiet"]);
         assert_eq!(output.status.code(), Some(2));

@@ -25,7 +25,7 @@ fn run(scenario: &Path, out: &Path, more: &[&str]) -> Output {
     command(scenario, out, more).output().expect("the binary starts")
 }
 
-/// Checks that a run is refused as bad input, with words in its message.
+/// Checks that a run is an error of the input, with words in its message.
 fn check_refused(output: &Output, words: &[&str]) {
     let text = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{text}");

@@ -11,11 +11,11 @@ use crate::MortarPoint;
 /// last part ([`fluid_ns::LastPiece`]).
 /// Couples: solid × pressure, pressure × solid.   Domain: interface pieces along films, in their last parts.
 /// Units: force and volume/time (2D: per unit depth).
-/// Force of the film between its last part and its edge, where the discrete pressure is already that of open fluid.
-/// `p'` is such that the force is that of a pressure which falls linearly to the edge. With the test function `q'`, the
-/// fluid that the body displaces there enters the film. The two products cancel in the energy except for pressures of
-/// fluid at rest. The fluid has no row: the forces on the surfaces on both sides differ if these have different areas
-/// in the last part, or different factors.
+/// The discrete pressure is that of open fluid already at the end of the last part, and not at the edge. `p'` adds the
+/// missing force: with it the force is that of a pressure that falls linearly up to the edge. With the test function
+/// `q'`, the fluid that the body displaces there enters the film. The two products cancel in the energy except for
+/// pressures of fluid at rest. The fluid has no row: the forces on the surfaces on both sides differ if these have
+/// different areas in the last part, or different factors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmEnd;
 

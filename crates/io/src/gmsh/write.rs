@@ -36,7 +36,7 @@ pub fn write<const D: usize>(
 }
 
 /// Elements of one dimension in one group.
-struct Block {
+struct EntityBlock {
     dimension: usize,
     /// Number of the physical group; 0 for none.
     group: usize,
@@ -97,15 +97,15 @@ fn text<const D: usize>(
 }
 
 /// Collects elements by their groups, in the order in which the groups appear.
-fn blocks(dimension: usize, elements: impl Iterator<Item = (Option<Tag>, Vec<usize>)>) -> Vec<Block> {
-    let mut blocks: Vec<Block> = Vec::new();
+fn blocks(dimension: usize, elements: impl Iterator<Item = (Option<Tag>, Vec<usize>)>) -> Vec<EntityBlock> {
+    let mut blocks: Vec<EntityBlock> = Vec::new();
     for (tag, nodes) in elements {
         // Groups are numbered from 1.
         let group = tag.map_or(0, |tag| tag.index() + 1);
         match blocks.last_mut() {
             // The order of the elements is kept. A group has several blocks if elements of others are between.
             Some(block) if block.group == group => block.elements.push(nodes),
-            _ => blocks.push(Block { dimension, group, elements: vec![nodes] }),
+            _ => blocks.push(EntityBlock { dimension, group, elements: vec![nodes] }),
         }
     }
     blocks
@@ -163,7 +163,7 @@ impl Out {
     }
 
     /// Appends nodes and elements of version 2.2.
-    fn lists<const D: usize>(&mut self, points: &[Point<D>], blocks: &[Block], order: usize) {
+    fn lists<const D: usize>(&mut self, points: &[Point<D>], blocks: &[EntityBlock], order: usize) {
         self.line(&format!("$Nodes\n{}", points.len()));
         for (k, x) in points.iter().enumerate() {
             self.ints([k + 1]);
@@ -188,7 +188,7 @@ impl Out {
     }
 
     /// Appends entities, nodes and elements of version 4.1.
-    fn blocks<const D: usize>(&mut self, points: &[Point<D>], blocks: &[Block], order: usize) {
+    fn blocks<const D: usize>(&mut self, points: &[Point<D>], blocks: &[EntityBlock], order: usize) {
         let entities: BTreeSet<(usize, usize)> = blocks.iter().map(|block| (block.dimension, block.group)).collect();
         let n_entities = |dimension: usize| entities.iter().filter(|(found, _)| *found == dimension).count();
         let bounds = Aabb::of_points(points);
@@ -235,6 +235,6 @@ fn spatial<const D: usize>(x: &Point<D>) -> [f64; 3] {
 }
 
 /// Returns the number of the kind of the elements of a block.
-fn kind(block: &Block, order: usize) -> usize {
+fn kind(block: &EntityBlock, order: usize) -> usize {
     Kind::of(block.dimension, order).map_or(0, |kind| kind.number as usize)
 }

@@ -15,7 +15,7 @@ use super::fluid::{Fluid, Interface};
 use super::motion::MotionChoice;
 use super::overrides;
 use super::probe::ProbeChoice;
-use super::solver::{Linear, Solver, Time, TimeSchemeChoice};
+use super::solver::{LinearSolverChoice, Solver, Time, TimeSchemeChoice};
 use super::table::{At, Choose as _, Document, KeyValue, Named, Node, OrTable, choices, keys, parse};
 use super::units::Units;
 use crate::Error;
@@ -82,8 +82,8 @@ keys! {
         checkpoint_every: usize = 0,
         /// Quantities of points, bodies and sections by name: columns of `probes.csv`.
         probes: Named<ProbeChoice>,
-        /// Least time by the clock between two checkpoints, minutes. Steps of `checkpoint_every`, or every tenth step if that is
-        /// left out, write none earlier.
+        /// Smallest wall-clock time between two checkpoints, minutes. After this time the next multiple of
+        /// `checkpoint_every` steps (10 if left out) writes one.
         checkpoint_minutes: Option<f64> [non_negative],
     }
 }
@@ -380,5 +380,5 @@ fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
         body.check()?;
     }
     check_effects(scenario, &bodies)?;
-    scenario.solver.linear.as_ref().map_or(Ok(()), Linear::check)
+    scenario.solver.linear.as_ref().map_or(Ok(()), LinearSolverChoice::check)
 }

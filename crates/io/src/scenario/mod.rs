@@ -49,7 +49,7 @@ pub use motion::{GuideKeys, Held, MotionChoice};
 pub use probe::ProbeChoice;
 pub use schema::schema;
 pub use solver::{
-    Approach, Blocks, BodyBlock, FluidBlock, Linear, Newton, Preconditioner, Solver, Time, TimeSchemeChoice,
+    Approach, Blocks, BodyBlock, FluidBlock, LinearSolverChoice, Newton, Preconditioner, Solver, Time, TimeSchemeChoice,
 };
 pub(crate) use symmetry::parabolas_at_symmetry;
 pub(crate) use table::Choose;

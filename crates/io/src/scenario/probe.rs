@@ -9,7 +9,7 @@ use super::error::{ErrorKind, ScenarioError, sorted};
 use super::key::Quantity;
 use super::table::{At, Components, Named, choices};
 use super::units::Units;
-use crate::probes::{Line, Measured, Probe, Probes};
+use crate::probes::{Measured, Probe, ProbeLine, Probes};
 
 choices! {
     /// Quantity that is measured in each step, with columns in `probes.csv`.
@@ -87,7 +87,7 @@ pub(super) fn probes<const D: usize>(
     units: &Units,
     dimension: usize,
 ) -> Result<Probes<D>, ScenarioError> {
-    let mut found = Probes { line_header: Line::<D>::header(units), ..Probes::default() };
+    let mut found = Probes { line_header: ProbeLine::<D>::header(units), ..Probes::default() };
     let fluid = setup.fluid.as_ref();
     for (name, probe) in &given.0 {
         let find = |body: &At<String>| {
@@ -162,7 +162,7 @@ pub(super) fn probes<const D: usize>(
                         .at
                         .invalid("the ends of this line are one point; measure it by the kind `point`"));
                 }
-                found.lines.push(Line { name: name.clone(), ends: [from.vector(), to.vector()], n: *points });
+                found.lines.push(ProbeLine { name: name.clone(), ends: [from.vector(), to.vector()], n: *points });
                 continue;
             }
         };

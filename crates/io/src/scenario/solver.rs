@@ -24,18 +24,18 @@ keys! {
         /// Number of times that a step is halved, if Newton's method fails, a contact may have been missed, a body
         /// passes through its obstacle or a cell is inverted, before the run stops.
         most_halvings: usize [between(0.0, 20.0)] = 4,
-        /// Steps in parts that become shorter as the bodies of a contact approach; steps of one length if left out.
+        /// Substeps that become shorter as the bodies of a contact approach; none if left out.
         approach: Option<Approach>,
     }
 }
 
 keys! {
-    /// Parts of steps where bodies are close to each other.
+    /// Substeps where bodies are close to each other.
     pub struct Approach {
-        /// Largest motion of the bodies of a contact in a part of a step, relative to the gap between them; nodes that
-        /// do not move have none.
+        /// Largest motion of the bodies of a contact in a substep, relative to the gap between them; nodes that do not
+        /// move have none.
         fraction: f64 [positive] = 0.06,
-        /// Smallest length of a part.
+        /// Smallest length of a substep.
         smallest: At<f64> [unit(Quantity::TIME), positive],
     }
 }
@@ -110,7 +110,7 @@ keys! {
         newton: Newton = {},
         /// Linear solver. If left out: `{ kind = "gmres", preconditioner = "lagged-lu" }`; for a fluid in space with
         /// more than 50 000 unknowns `{ kind = "gmres", preconditioner = "block-gauss-seidel" }`.
-        linear: Option<Linear>,
+        linear: Option<LinearSolverChoice>,
     }
 }
 
@@ -122,8 +122,8 @@ const LARGE_IN_SPACE: usize = 50_000;
 
 impl Solver {
     /// Returns the linear solver for a fluid with a number of unknowns, or for bodies alone, with the reason for it.
-    pub(super) fn linear(&self, dimension: usize, n_unknowns: usize) -> (Linear, &'static str) {
-        let gmres = |preconditioner| Linear::Gmres { preconditioner, restart: None, blocks: None };
+    pub(super) fn linear(&self, dimension: usize, n_unknowns: usize) -> (LinearSolverChoice, &'static str) {
+        let gmres = |preconditioner| LinearSolverChoice::Gmres { preconditioner, restart: None, blocks: None };
         match &self.linear {
             Some(linear) => (linear.clone(), "given in the scenario"),
             None if dimension > 2 && n_unknowns > LARGE_IN_SPACE => (
@@ -155,7 +155,7 @@ impl Newton {
 
 choices! {
     /// Linear solver.
-    pub enum Linear ["kind"] {
+    pub enum LinearSolverChoice ["kind"] {
         /// Sparse LU factorisation of every matrix.
         Direct = "direct",
         /// Restarted flexible GMRES.
@@ -220,7 +220,7 @@ choices! {
     }
 }
 
-impl Linear {
+impl LinearSolverChoice {
     /// Checks that all settings belong to the preconditioner.
     pub(super) fn check(&self) -> Result<(), ScenarioError> {
         let Self::Gmres { preconditioner: Preconditioner::LaggedLu, restart, blocks } = self else { return Ok(()) };

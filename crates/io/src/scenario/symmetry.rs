@@ -17,27 +17,28 @@ use super::table::{At, Named};
 pub(super) struct SymmetryPlane<const D: usize> {
     /// Unit normal.
     pub(super) normal: Vector<D>,
-    /// The side of the background on the plane, and the box around it.
+    /// The side of the background on the plane.
     pub(super) side: Tag,
+    /// Bounding box of the side.
     bounds: Aabb<D>,
     /// The normal times this sign points out of the background.
     outward: f64,
     /// Signed distance from the origin along the normal.
     place: f64,
-    /// Largest distance of a vertex on the plane from it, by round-off.
-    room: f64,
+    /// Tolerance of the distance from the plane up to which a vertex counts as on it.
+    tolerance: f64,
 }
 
 impl<const D: usize> SymmetryPlane<D> {
     /// Returns whether a point lies on the plane.
     pub(super) fn contains(&self, x: &Point<D>) -> bool {
-        (self.normal.dot(x) - self.place).abs() <= self.room
+        (self.normal.dot(x) - self.place).abs() <= self.tolerance
     }
 
-    /// Returns whether a point lies on the side of the background, or in the box around it on the same plane.
+    /// Returns whether a point lies on the plane and in the bounding box of the side.
     pub(super) fn is_on_side(&self, x: &Point<D>) -> bool {
         let Aabb { low, high } = &self.bounds;
-        let is_between = |k: usize| (low[k] - self.room..=high[k] + self.room).contains(&x[k]);
+        let is_between = |k: usize| (low[k] - self.tolerance..=high[k] + self.tolerance).contains(&x[k]);
         self.contains(x) && (0..D).all(is_between)
     }
 }
@@ -61,12 +62,12 @@ fn stops<const D: usize>(
     is_plane && contact.body.as_ref().is_some_and(|name| **name == body || **name == ALL)
 }
 
-/// Largest distance of a vertex beyond a plane of symmetry that is round-off, relative to the size of the domain: above
-/// that of files with seven digits.
+/// Distance beyond a plane of symmetry, relative to the size of the domain, up to which a vertex counts as on it. It is
+/// above the rounding of files with seven digits.
 const BEYOND: f64 = 1e-6;
 
-/// Returns the vertices of a surface beyond a plane of symmetry, if the surface reaches through the side of the
-/// background on it; else none.
+/// Returns the vertices of a surface that lie beyond a plane of symmetry. The list is empty unless the surface crosses
+/// the side of the background on this plane and has vertices inside.
 fn beyond<const D: usize>(
     plane: &SymmetryPlane<D>,
     background: &SimplexMesh<D>,
@@ -75,7 +76,7 @@ fn beyond<const D: usize>(
 ) -> Vec<VertexId> {
     let domain = Aabb::of_points(background.vertices());
     let height = |x: &Point<D>| plane.normal.dot(x) - plane.place;
-    let room = BEYOND * domain.extent().max();
+    let margin = BEYOND * domain.extent().max();
     let out = |vertex: &VertexId| plane.outward * height(&positions[vertex.index()]);
     let all = surface.vertices_of(&surface.facets().collect::<Vec<_>>());
     let is_across = |facet: FacetId| {
@@ -83,24 +84,24 @@ fn beyond<const D: usize>(
         (0..corners.len()).any(|k| {
             let [from, to] = [corners[k], corners[(k + 1) % corners.len()]].map(|vertex| positions[vertex.index()]);
             let [a, b] = [height(&from), height(&to)];
-            a.abs() <= room && plane.is_on_side(&(from - plane.normal * a))
+            a.abs() <= margin && plane.is_on_side(&(from - plane.normal * a))
                 || a * b < 0.0 && plane.is_on_side(&(from + (to - from) * (a / (a - b))))
         })
     };
-    let is_inside = all.iter().any(|vertex| out(vertex) < -room);
-    let found: Vec<_> = all.into_iter().filter(|vertex| out(vertex) > room).collect();
+    let is_inside = all.iter().any(|vertex| out(vertex) < -margin);
+    let found: Vec<_> = all.into_iter().filter(|vertex| out(vertex) > margin).collect();
     if is_inside && surface.facets().any(is_across) { found } else { Vec::new() }
 }
 
 /// Returns the planes of symmetry.
 pub(super) fn symmetry_planes<const D: usize>(fluid: &FluidSetup<D>) -> Vec<SymmetryPlane<D>> {
-    let room = on_plane(&fluid.background);
+    let tolerance = on_plane(&fluid.background);
     let planes = fluid.boundary.iter().filter_map(|(tag, condition)| {
         let FluidBoundary::Symmetry { normal } = condition else { return None };
         let points = tagged_vertices(&fluid.background, *tag);
         let place = normal.dot(points.first()?);
         let outward = fluid.background.tag_normal(*tag).map_or(1.0, |outward| outward.dot(normal).signum());
-        Some(SymmetryPlane { normal: *normal, side: *tag, bounds: Aabb::of_points(&points), outward, place, room })
+        Some(SymmetryPlane { normal: *normal, side: *tag, bounds: Aabb::of_points(&points), outward, place, tolerance })
     });
     planes.collect()
 }
@@ -137,8 +138,8 @@ pub(super) fn check_axis<const D: usize>(fluid: &FluidSetup<D>, given: &At<Backg
     Ok(())
 }
 
-/// Removes facets on planes of symmetry from the contact facets of bodies that do not deform, and checks that free
-/// bodies with such facets are held, and such facets of elastic bodies too, by a condition or a contact.
+/// Removes facets on planes of symmetry from the contact facets of rigid and prescribed bodies. Returns an error if a
+/// free body with such facets is not held, or if nothing keeps such facets of an elastic body on the plane.
 pub(super) fn respect_symmetry<const D: usize>(
     contacts: &[At<ContactKeys>],
     bodies: &[At<BodyKeys>],
@@ -183,7 +184,7 @@ pub(super) fn respect_symmetry<const D: usize>(
         };
         if body.is_movable() && planes.iter().any(is_free) {
             return Err(given.shape.at.invalid(format!(
-                "body `{}` reaches through a plane of symmetry of the background: the fluid would act on a part of it, and it would have all of its mass; use the \
+                "body `{}` crosses a plane of symmetry of the background: the fluid would act on the part inside only, but gravity and inertia on the whole body; use the \
                  part on one side, such as kind = \"half-ball\", move it, or clamp all of an elastic body that is beyond",
                 body.name()
             )));
@@ -202,7 +203,7 @@ pub(super) fn respect_symmetry<const D: usize>(
             };
             if contact_facets.iter().any(|facet| is_loose(&facet)) {
                 return Err(given.shape.at.invalid(format!(
-                    "a part of the surface of `{}` lies on a plane of symmetry of the background, through which nothing holds it; give the part the \
+                    "a part of the surface of `{}` lies on a plane of symmetry of the background, and nothing keeps it on this plane; give the part the \
                      condition \"symmetry\" in `boundary`, or state a contact with the plane",
                     given.name.as_str()
                 )));

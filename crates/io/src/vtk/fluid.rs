@@ -38,9 +38,7 @@ pub fn fluid_grid<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidStat
         }
         for piece in cut.part_pieces(part) {
             grid.push_piece(piece, |grid, x| {
-                let shape = simplex.barycentric(x).unwrap_or_default();
-                let velocity = dofs.iter().zip(shape).map(|(&k, n)| fluid.velocity[k as usize] * n).sum();
-                let pressure = dofs.iter().zip(shape).map(|(&k, n)| fluid.pressure[k as usize] * n).sum();
+                let (velocity, pressure) = fluid.at(part, &simplex.barycentric(x).unwrap_or_default());
                 push(grid, x, &velocity, pressure)
             });
         }

@@ -42,7 +42,7 @@ pub(crate) fn scenario_seeds() -> Vec<Vec<u8>> {
     small.iter().cloned().cycle().take(12).chain(files.map(read)).collect()
 }
 
-/// Returns whether all numbers of a text are of the order of one, or so extreme that they must be refused or have no
+/// Returns whether all numbers of a text are of the order of one, or so extreme that they must be errors or have no
 /// effect on the size of a problem.
 fn is_affordable(text: &str) -> bool {
     let is_part = |c: char| c.is_ascii_alphanumeric() || "+-.".contains(c);

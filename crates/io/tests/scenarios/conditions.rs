@@ -527,7 +527,7 @@ fn bodies_reach_through_a_plane_of_symmetry_only_where_they_are_clamped() {
     let clamped = "boundary = { bottom = \"clamped\" }";
     leaf(-0.15, 1, clamped).expect("a root");
     let through = |found: Result<(), io::Error>| {
-        check_words(&found.expect_err("a body across").to_string(), &["body.0.shape", "through a plane of symmetry"])
+        check_words(&found.expect_err("a body across").to_string(), &["body.0.shape", "crosses a plane of symmetry"])
     };
     through(leaf(-0.15, 1, ""));
     // Vertices on the plane, and beyond it without a clamp.
@@ -559,7 +559,7 @@ fn the_outside_of_a_plane_of_symmetry_is_that_of_its_side() {
     leaf("top").expect("clamped above the ceiling");
     check_words(
         &leaf("bottom").expect_err("a loose top").to_string(),
-        &["body.0.shape", "through a plane of symmetry"],
+        &["body.0.shape", "crosses a plane of symmetry"],
     );
 }
 

@@ -1,4 +1,4 @@
-//! Surfaces from files laid over grids and meshes: exact volumes and areas, and what is refused.
+//! Surfaces from files laid over grids and meshes: exact volumes and areas, and errors.
 
 use std::path::Path;
 

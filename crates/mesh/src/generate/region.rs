@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn senseless_regions_are_errors() {
+    fn invalid_regions_are_errors() {
         let error = |region: Region<2>| {
             region.check([0.0; 2], [1.0; 2], &Size::uniform(0.3)).err().map(|error| (error.what, error.value))
         };

@@ -2,7 +2,7 @@
 
 use crate::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Point, Vector, VertexId, facet_normal};
 
-/// Squared distances with a smaller relative difference are equal.
+/// Squared distances with a smaller relative difference are treated as equal.
 pub(super) const TIE: f64 = 1e-8;
 /// Barycentric coordinates above minus this value are inside. The error of the distance is of second order.
 const INSIDE: f64 = 1e-13;

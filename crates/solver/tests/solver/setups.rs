@@ -1,4 +1,4 @@
-//! Setups that are refused, with the message of each.
+//! Invalid setups, with the message of each.
 
 use std::error::Error as _;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Steps that fail are divided, and their parts have the same result as smaller steps.
+//! Steps that fail are divided, and their substeps have the same result as smaller steps.
 
 use crate::fixture::*;
 use solid_svk::SupportKind;
@@ -26,14 +26,14 @@ fn thrown_block(most_halvings: usize, lift: f64) -> Setup<2> {
     setup
 }
 
-/// Number, end and length of a step or a part of one.
-type Part = (usize, f64, Substep);
+/// Number, end and length of a step or substep.
+type Taken = (usize, f64, Substep);
 
-/// Steps and parts of steps that an observer received.
+/// Steps and substeps that an observer received.
 #[derive(Default)]
-struct Parts(Vec<Part>);
+struct AllTaken(Vec<Taken>);
 
-impl Observer<2> for Parts {
+impl Observer<2> for AllTaken {
     fn after_step(&mut self, view: &StepView<'_, 2>) -> Result<(), ObserverError> {
         if let Some(report) = view.report {
             assert_eq!(view.ends_step(), report.substep.is_last);
@@ -43,16 +43,16 @@ impl Observer<2> for Parts {
     }
 }
 
-fn take_steps(setup: &Setup<2>, n: usize) -> (State<2>, Vec<Part>, Result<(), solver::StepError>) {
+fn take_steps(setup: &Setup<2>, n: usize) -> (State<2>, Vec<Taken>, Result<(), solver::StepError>) {
     let start = State::initial(setup).expect("a cut");
     let mut run = TimeLoop::new(setup, start, Workspace::new());
-    let mut parts = Parts::default();
-    let outcome = run.run(n, &mut [&mut parts]);
-    (run.state().clone(), parts.0, outcome)
+    let mut taken = AllTaken::default();
+    let outcome = run.run(n, &mut [&mut taken]);
+    (run.state().clone(), taken.0, outcome)
 }
 
 #[test]
-fn ends_of_steps_are_multiples_and_those_of_short_parts_are_not() {
+fn ends_of_steps_are_multiples_and_those_of_short_substeps_are_not() {
     let setup = thrown_block(0, 0.0);
     let state = State { time: 0.7999999999999999, ..State::initial(&setup).expect("a cut") };
     assert_eq!(state.next_time(0.1), 9.0 * 0.1);
@@ -63,30 +63,30 @@ fn ends_of_steps_are_multiples_and_those_of_short_parts_are_not() {
 }
 
 #[test]
-fn a_step_that_may_miss_contact_is_taken_in_parts() {
+fn a_step_that_may_miss_contact_is_divided() {
     let setup = thrown_block(6, 0.0);
     let n = 4;
-    let (state, parts, outcome) = take_steps(&setup, n);
-    outcome.expect("parts of steps that succeed");
+    let (state, taken, outcome) = take_steps(&setup, n);
+    outcome.expect("substeps that succeed");
     // The search allows a motion of 0.04, and the block would move by 0.4.
-    assert!(parts[0].2.dt <= 0.5 * setup.dt, "{parts:?}");
+    assert!(taken[0].2.dt <= 0.5 * setup.dt, "{taken:?}");
     assert_eq!(state.step, n);
     assert!((state.time - n as f64 * setup.dt).abs() < 1e-15);
-    assert_eq!(parts.iter().filter(|(_, _, substep)| substep.is_last).count(), n);
+    assert_eq!(taken.iter().filter(|(_, _, substep)| substep.is_last).count(), n);
     let mut time = 0.0;
-    for (step, end, Substep { dt, is_last }) in &parts {
+    for (step, end, Substep { dt, is_last }) in &taken {
         time += dt;
         assert!((time - end).abs() < 1e-15);
         // `step` is the number of complete whole steps.
         assert_eq!(*step, if *is_last { (time / setup.dt).round() as usize } else { (time / setup.dt) as usize });
     }
-    // A later part is longer than the first: steps grow back.
-    assert!(parts.iter().any(|(_, _, substep)| substep.dt > parts[0].2.dt), "{parts:?}");
+    // A later substep is longer than the first: steps grow back.
+    assert!(taken.iter().any(|(_, _, substep)| substep.dt > taken[0].2.dt), "{taken:?}");
 
     // The same steps, one after the other.
     let (mut by_hand, mut work) = (State::initial(&setup).expect("a cut"), Workspace::new());
-    for (_, _, substep) in parts {
-        by_hand = advance(&setup, &by_hand, substep, &mut work).expect("a part").0;
+    for (_, _, substep) in taken {
+        by_hand = advance(&setup, &by_hand, substep, &mut work).expect("a substep").0;
     }
     assert_eq!(by_hand.bodies, state.bodies);
     assert_eq!(wet(&by_hand).pressure, wet(&state).pressure);
@@ -95,14 +95,14 @@ fn a_step_that_may_miss_contact_is_taken_in_parts() {
 #[test]
 fn without_halvings_the_run_stops_at_the_last_good_state() {
     let setup = thrown_block(0, 0.0);
-    let (state, parts, outcome) = take_steps(&setup, 1);
+    let (state, taken, outcome) = take_steps(&setup, 1);
     let error = outcome.expect_err("contact may be missed");
     assert!(
         matches!(error.source, Error::MissedContact { contact: 0, motion, room, .. } if motion > room && room > 0.03),
         "{error:?}"
     );
-    assert!(parts.is_empty() && state.time == 0.0);
-    // One halving is not enough; the error names the part that failed.
+    assert!(taken.is_empty() && state.time == 0.0);
+    // One halving is not enough; the error names the substep that failed.
     let (_, _, outcome) = take_steps(&thrown_block(1, 0.0), 1);
     let error = outcome.expect_err("contact may still be missed");
     assert_eq!((error.step, error.time), (1, 5e-4));
@@ -119,19 +119,19 @@ fn a_failure_of_newton_is_repaired_by_smaller_steps() {
     let whole = advance(&setup, &start, Substep::whole(setup.dt), &mut work);
     assert!(matches!(whole.expect_err("too few corrections").source, Error::Newton(_)));
     setup.most_halvings = 8;
-    let (state, parts, outcome) = take_steps(&setup, 1);
-    outcome.expect("parts of the step");
+    let (state, taken, outcome) = take_steps(&setup, 1);
+    outcome.expect("substeps of the step");
     assert_eq!(state.time, setup.dt);
-    assert!(parts.len() > 1);
+    assert!(taken.len() > 1);
 }
 
 #[test]
 fn bodies_far_apart_may_move_fast() {
     // The motion exceeds the searched distance, but the gap exceeds the motion.
     let setup = thrown_block(0, 0.4);
-    let (state, parts, outcome) = take_steps(&setup, 1);
+    let (state, taken, outcome) = take_steps(&setup, 1);
     outcome.expect("nothing to miss");
-    assert!(state.step == 1 && parts.len() == 1);
+    assert!(state.step == 1 && taken.len() == 1);
 }
 
 /// Steps of unequal length, as they follow from halvings, keep the second order of the scheme.
@@ -149,8 +149,8 @@ fn divided_steps_are_of_second_order() {
     let (start, _) = run(&setup, 40);
     let fall = |n: usize| {
         let (mut state, mut work) = (start.clone(), Workspace::new());
-        for part in std::iter::repeat_n([0.5, 0.25, 0.25], n).flatten() {
-            let dt = part * 0.04 / n as f64;
+        for share in std::iter::repeat_n([0.5, 0.25, 0.25], n).flatten() {
+            let dt = share * 0.04 / n as f64;
             state = advance(&setup, &state, Substep::whole(dt), &mut work).expect("a step").0;
         }
         motion(&state, 0).velocity[1]

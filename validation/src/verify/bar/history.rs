@@ -7,7 +7,7 @@ use cutwater::solid_svk::{LameParameters, LinearElastic, SupportKind};
 
 use super::super::dry::{Scheme, elastic, floor, run};
 use super::super::signal::{passage, range, rms};
-use super::super::{Failure, Run, V};
+use super::super::{DirectRun, Failure, V};
 
 pub(super) const LENGTH: f64 = 10.0;
 const YOUNG: f64 = 900.0;
@@ -23,10 +23,10 @@ const SPEED: f64 = 1.0;
 pub(super) const WAVE: f64 = 30.0;
 const CROSSING: f64 = LENGTH / WAVE;
 // The contact without gravity, and the two of a period with it.
-pub(super) const IMPACT: Exact = Exact { times: [0.5, 7.0 / 6.0], pressure: [30.0, 30.0] };
-pub(super) const BOUNCES: [Exact; 2] = [
-    Exact { times: [1.0, 5.0 / 3.0], pressure: [30.0, 50.0] },
-    Exact { times: [11.0 / 3.0, 13.0 / 3.0], pressure: [50.0, 30.0] },
+pub(super) const IMPACT: ExactContact = ExactContact { times: [0.5, 7.0 / 6.0], pressure: [30.0, 30.0] };
+pub(super) const BOUNCES: [ExactContact; 2] = [
+    ExactContact { times: [1.0, 5.0 / 3.0], pressure: [30.0, 50.0] },
+    ExactContact { times: [11.0 / 3.0, 13.0 / 3.0], pressure: [50.0, 30.0] },
 ];
 pub(super) const PERIOD: f64 = 16.0 * CROSSING;
 /// Times and heights of the lower end of the bar with gravity.
@@ -49,12 +49,12 @@ pub(super) const MIDDLE: f64 = 0.5;
 /// Pressure over penetration, relative to Young's modulus over the size of a cell.
 pub(super) const PENALTY: f64 = 10.0;
 /// An exact contact: its beginning and end, and the pressures there; between them the pressure is linear.
-pub(super) struct Exact {
+pub(super) struct ExactContact {
     pub(super) times: [f64; 2],
     pressure: [f64; 2],
 }
 
-impl Exact {
+impl ExactContact {
     /// Returns the pressure at a time of contact.
     fn at(&self, time: f64) -> f64 {
         let ([begin, end], [first, last]) = (self.times, self.pressure);
@@ -68,7 +68,7 @@ impl Exact {
 
 /// Returns the exact pressure over a period with gravity.
 pub(super) fn exact_pressure() -> Vec<(f64, f64)> {
-    let contact = |exact: &Exact| {
+    let contact = |exact: &ExactContact| {
         let ([begin, end], [first, last]) = (exact.times, exact.pressure);
         [(begin, 0.0), (begin, first), (end, last), (end, 0.0)]
     };
@@ -118,7 +118,7 @@ pub(super) fn history(gravity: f64, n: usize, advance: &Advance<'_>, end: f64) -
     let mut run = run(vec![body], Some(contact), dt, 1e-9)?;
     // Potential energy of the bar that rests on the floor.
     let rest = size * DENSITY * gravity * 0.5 * LENGTH * LENGTH;
-    let energy_of = |run: &Run| {
+    let energy_of = |run: &DirectRun| {
         let balance = run.setup.bodies[0].balance(&run.state.bodies[0]).ok_or("the bar is elastic")?;
         Ok::<f64, Failure>(balance.energy() - rest)
     };
@@ -138,7 +138,7 @@ pub(super) fn history(gravity: f64, n: usize, advance: &Advance<'_>, end: f64) -
 }
 
 /// A contact of the bar with the floor.
-pub(super) struct Contact {
+pub(super) struct BarContact {
     /// Times at which the pressure passes half of its jumps at the beginning and at the end, which the mesh smears.
     pub(super) times: [f64; 2],
     /// Last time at which there is any pressure.
@@ -163,7 +163,7 @@ impl BarHistory {
     }
 
     /// Evaluates a contact from the steps within a crossing time of the exact one.
-    pub(super) fn contact(&self, exact: &Exact) -> Contact {
+    pub(super) fn contact(&self, exact: &ExactContact) -> BarContact {
         let [begin, end] = exact.times;
         let around = |at: &&(f64, f64)| begin - CROSSING < at.0 && at.0 < end + CROSSING;
         let steps: Vec<(f64, f64)> = self.pressure.iter().filter(around).copied().collect();
@@ -178,7 +178,7 @@ impl BarHistory {
         let is_middle = |time: f64| (time - 0.5 * (begin + end)).abs() < 0.5 * MIDDLE * (end - begin);
         let deviations: Vec<f64> = steps.iter().filter(|at| is_middle(at.0)).map(|at| at.1 - exact.at(at.0)).collect();
         let [least, largest] = range(&deviations);
-        Contact {
+        BarContact {
             times: [first, last].map(|t| t.unwrap_or(f64::NAN)),
             touching,
             pressure: impulse / (end - begin),
