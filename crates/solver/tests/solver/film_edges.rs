@@ -85,8 +85,8 @@ fn films_end_where_both_plates_end() {
     }
 }
 
-/// A plate over a block that begins behind the edge of the plate, above a wall that is close enough for a film, too. The
-/// film ends where the block begins.
+/// A plate over a block that begins behind the edge of the plate, above a wall that is close enough for a film.
+/// The film ends where the block begins.
 #[test]
 fn films_end_where_the_surface_is_another_one() {
     for gap in [0.02, 0.1] {
