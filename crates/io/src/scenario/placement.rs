@@ -64,7 +64,7 @@ pub(super) fn check_surfaces<const D: usize>(
     Ok(())
 }
 
-/// Checks that every body is in the box around the domain, that no body covers the domain, and that no two bodies overlap.
+/// Checks that every body has a part in the domain, that no body covers the domain, and that no two bodies overlap.
 pub(super) fn check_placement<const D: usize>(
     given: &[At<BodyKeys>],
     setup: &Setup<D>,
@@ -76,10 +76,11 @@ pub(super) fn check_placement<const D: usize>(
     let domain = Aabb::of_points(background.vertices());
     let surfaces = setup.surfaces(positions);
     let covered = |k: usize, surfaces: &[Placed<'_, D>]| {
-        let cut = CutMesh::overlay(background, surfaces, &OverlayOptions::new().without_self_intersection_check());
-        cut.map(|cut| cut.covered_volume(background)).map_err(|error| at(k).error(error))
+        let cut = CutMesh::overlay(background, surfaces, &OverlayOptions::new().without_self_intersection_check())
+            .map_err(|error| at(k).error(error))?;
+        Ok((cut.covered_volume(background), cut.interface().is_empty()))
     };
-    let alone: Vec<f64> =
+    let (alone, has_no_interface): (Vec<f64>, Vec<bool>) =
         (0..surfaces.len()).map(|k| covered(k, &surfaces[k..=k])).collect::<Result<_, ScenarioError>>()?;
     let all = (1.0 - ROUND_OFF) * background.volume();
     if let Some(k) = alone.iter().position(|covered| *covered > all) {
@@ -90,13 +91,13 @@ pub(super) fn check_placement<const D: usize>(
         )));
     }
     for (k, (body, positions)) in setup.bodies.iter().zip(positions).enumerate() {
-        if !Aabb::of_points(positions).overlaps(&domain) {
+        if has_no_interface[k] || !Aabb::of_points(positions).overlaps(&domain) {
             let name = body.name();
             let span = |Aabb { low, high }: Aabb<D>| format!("from {:?} to {:?}", low.as_slice(), high.as_slice());
             let (of_body, of_background) = (span(Aabb::of_points(positions)), span(domain));
             let message = format!(
-                "body `{name}` is outside of the domain: the body extends {of_body}, the background {of_background}; move it, or enlarge the \
-                 background; if a mesh file has another unit of length, give it a `scale`"
+                "body `{name}` is outside of the domain: the body extends {of_body}, the background {of_background}; \
+                 move it, or enlarge the background; if a mesh file has another unit of length, give it a `scale`"
             );
             return Err(at(k).invalid(message));
         }
@@ -106,7 +107,7 @@ pub(super) fn check_placement<const D: usize>(
             if !Aabb::of_points(&positions[a]).overlaps(&Aabb::of_points(&positions[b])) {
                 continue;
             }
-            let overlap = alone[a] + alone[b] - covered(b, &[surfaces[a], surfaces[b]])?;
+            let overlap = alone[a] + alone[b] - covered(b, &[surfaces[a], surfaces[b]])?.0;
             if overlap > ROUND_OFF * alone[a].min(alone[b]) {
                 let [a, b_name] = [a, b].map(|k| setup.bodies[k].name());
                 return Err(at(b).invalid(format!(

@@ -224,6 +224,21 @@ fn bodies_may_stick_out_but_not_be_away() {
     expect("centre = [0.0, 10.0]", "centre = [20.0, 10.0]", "body.0.shape", &words);
 }
 
+/// A ball in the notch of a domain that is shaped like an L.
+#[test]
+fn bodies_beside_a_domain_that_is_not_convex_are_away() {
+    let text = "name = \"notch\"\ndimension = 2\nunits = \"si\"\n[time]\nstep = 0.1\nend = 0.1\n[fluid]\ndensity = 1\n\
+                viscosity = 1\n[background]\nkind = \"polygon\"\nsize = 0.2\n\
+                corners = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]\n\
+                boundary = { side-1 = \"no-slip\", side-2 = \"parallel\", side-3 = \"no-slip\", side-4 = \"no-slip\", \
+                side-5 = \"no-slip\", side-6 = \"no-slip\" }\n\
+                [[body]]\nname = \"ball\"\nmotion = \"free\"\ndensity = 2\ngravity = [0, -1]\n\
+                shape = { kind = \"ball\", centre = [1.6, 1.6], radius = 0.2, size = 0.1 }\n";
+    let error = sizes(&legal(text, &[])).expect_err("in the notch").to_string();
+    assert!(error.contains("case.toml:20: body.0.shape: body `ball` is outside of the domain"), "{error}");
+    assert!(sizes(&legal(&text.replace("[1.6, 1.6]", "[0.5, 1.6]"), &[])).is_ok());
+}
+
 #[test]
 fn bodies_that_leave_no_fluid_are_refused() {
     let all = format!("{BARRIER}{SECOND}")
