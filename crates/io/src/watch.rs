@@ -81,7 +81,7 @@ impl<F: FnMut(&Sizes)> Watch for Begin<F> {
 }
 
 /// Progress of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StepProgress {
     /// Steps done.
     pub step: usize,
@@ -101,6 +101,8 @@ pub struct StepProgress {
     pub residual: f64,
     /// Whether the step was divided into substeps, because it failed as a whole or bodies were close to each other.
     pub is_divided: bool,
+    /// Cause for which the step, or a part of it, failed and was repeated in substeps; that of the last failure.
+    pub failure: Option<String>,
     /// Whether any contact is active.
     pub in_contact: bool,
 }
@@ -110,7 +112,12 @@ pub struct Progress<F>(pub F);
 
 impl<F: FnMut(&StepProgress)> Watch for Progress<F> {
     fn observer<const D: usize>(&mut self, case: &Case<D>) -> Option<Box<dyn Observer<D> + '_>> {
-        Some(Box::new(ProgressObserver { call: &mut self.0, n_steps: case.n_steps, bottom: case.bottom }))
+        Some(Box::new(ProgressObserver {
+            call: &mut self.0,
+            n_steps: case.n_steps,
+            bottom: case.bottom,
+            failure: None,
+        }))
     }
 }
 
@@ -118,10 +125,14 @@ struct ProgressObserver<'a, F> {
     call: &'a mut F,
     n_steps: usize,
     bottom: f64,
+    /// Cause of the last failure in the present step.
+    failure: Option<String>,
 }
 
 impl<F: FnMut(&StepProgress), const D: usize> Observer<D> for ProgressObserver<'_, F> {
     fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
+        let failure = view.report.and_then(|report| report.failure.clone());
+        self.failure = failure.or(self.failure.take());
         if let Some(report) = view.report.filter(|_| view.ends_step()) {
             (self.call)(&StepProgress {
                 step: view.state.step,
@@ -131,6 +142,7 @@ impl<F: FnMut(&StepProgress), const D: usize> Observer<D> for ProgressObserver<'
                 linear_iterations: report.newton.linear_iterations,
                 residual: report.newton.residual_history.last().copied().unwrap_or(0.0),
                 is_divided: report.substep.dt < view.setup.dt,
+                failure: self.failure.take(),
                 d_min: leading_body(view.setup).and_then(|index| distance(view, index, self.bottom)),
                 newton_iterations: report.newton.iterations,
                 in_contact: report.contacts.iter().any(ContactReport::is_active),

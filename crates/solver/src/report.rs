@@ -109,6 +109,9 @@ pub struct FluidReport<const D: usize> {
 pub struct StepReport<const D: usize> {
     /// The step or substep.
     pub substep: Substep,
+    /// Cause for which the time loop repeats a longer step as this substep and others; `None` for all but the first of
+    /// them.
+    pub failure: Option<String>,
     /// Newton's method.
     pub newton: NewtonReport,
     /// The fluid, if there is one.
@@ -189,7 +192,17 @@ impl<const D: usize> Problem<'_, D> {
         }
         add_forces(step, fluid.as_ref(), &contacts, &mut bodies);
         let seconds = StepSeconds { assembly: newton.seconds_assembly, linear: newton.seconds_linear, ..step.seconds };
-        StepReport { substep, newton, fluid, bodies, contacts, ledger, n_dofs: step.layout.len(), seconds }
+        StepReport {
+            substep,
+            failure: None,
+            newton,
+            fluid,
+            bodies,
+            contacts,
+            ledger,
+            n_dofs: step.layout.len(),
+            seconds,
+        }
     }
 }
 

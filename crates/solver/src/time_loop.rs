@@ -1,5 +1,7 @@
 //! The time loop.
 
+use std::iter::successors;
+
 use algebra::{NewtonReport, Workspace};
 
 use crate::approach::longest_step;
@@ -12,12 +14,14 @@ pub struct TimeLoop<'a, const D: usize> {
     work: Workspace,
     /// Work of failed attempts since the last substep that succeeded.
     lost: NewtonReport,
+    /// Cause of the last of these failures.
+    failure: Option<String>,
 }
 
 impl<'a, const D: usize> TimeLoop<'a, D> {
     /// Creates a run that starts from a state.
     pub fn new(setup: &'a Setup<D>, state: State<D>, work: Workspace) -> Self {
-        Self { setup, state, work, lost: NewtonReport::default() }
+        Self { setup, state, work, lost: NewtonReport::default(), failure: None }
     }
 
     /// Returns the current state.
@@ -36,7 +40,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     /// repeated in two halves from the same state if [`crate::Error::smaller_step_may_succeed`] holds. Halves are
     /// divided further, up to [`Setup::most_halvings`] times. The next half, and the next step, are tried undivided.
     /// Observers receive the substeps as well ([`crate::StepReport::substep`]). The report of a substep includes the
-    /// work of the nonlinear solves that failed before it.
+    /// work of the nonlinear solves that failed before it, and the cause of the last failure.
     ///
     /// # Errors
     /// The first step or observer that fails; the state is the last good one, at the end of a substep if the step was
@@ -83,6 +87,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         match advance(self.setup, &self.state, substep, &mut self.work) {
             Ok((state, mut report)) => {
                 report.add_work(&std::mem::take(&mut self.lost));
+                report.failure = self.failure.take();
                 let view = StepView {
                     setup: self.setup,
                     previous: &self.state,
@@ -102,6 +107,8 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
                 if let Some(newton) = failure.source.newton_report() {
                     self.lost.add_work(newton);
                 }
+                let causes = successors(Some(&failure.source as &dyn std::error::Error), |cause| cause.source());
+                self.failure = Some(causes.map(ToString::to_string).collect::<Vec<_>>().join(": "));
                 let dt = 0.5 * substep.dt;
                 self.step(Substep { dt, is_last: false }, most_halvings - 1, observers)?;
                 self.step(Substep { dt, ..substep }, most_halvings - 1, observers)

@@ -196,7 +196,8 @@ impl Console {
         let message =
             format!("t = {:.4} {time}{distance}{gap}{contact}, {} Newton iterations", at.time, at.newton_iterations);
         if at.is_divided {
-            let line = format!("step {} was divided into substeps", at.step);
+            let cause = at.failure.as_deref().unwrap_or("bodies are close to each other (`time.approach`)");
+            let line = format!("step {} was divided into substeps: {cause}", at.step);
             if self.is_verbose { self.line(&line) } else { self.log(&line) }
         }
         if let Some(bar) = &self.bar {

@@ -226,10 +226,14 @@ fn a_divided_run_has_rows_for_parts_and_files_for_steps() {
     let directory = fresh_directory("divided");
     let file = coarse(&["solver.newton.max_iterations=3"]);
     let (mut steps, mut parts) = (Vec::new(), Parts::default());
-    let mut watch = (Progress(|at: &StepProgress| steps.push(at.step)), &mut parts);
+    let mut watch =
+        (Progress(|at: &StepProgress| steps.push((at.step, at.is_divided, at.failure.clone()))), &mut parts);
     let summary = run(&file, &directory, &mut watch).unwrap_or_else(|e| panic!("{e}"));
     assert!(summary.divided_steps > 0 && summary.steps == 5);
-    assert_eq!(steps, [1, 2, 3, 4, 5]);
+    assert_eq!(steps.iter().map(|(step, ..)| *step).collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
+    for (_, is_divided, failure) in &steps {
+        assert_eq!(*is_divided, failure.as_ref().is_some_and(|cause| cause.contains("3 iterations")), "{failure:?}");
+    }
     let table = history(&directory);
     let times = table.column("time").expect("a time");
     assert!(times.len() > 5 && times.windows(2).all(|w| w[1] > w[0]), "{times:?}");
