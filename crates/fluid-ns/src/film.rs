@@ -13,7 +13,7 @@ use crate::film_layer::{Layers, extent};
 /// A point is in front of a facet if the scalar product of the unit normal and the direction from the closest point of
 /// the facet to the point is at least this value: they enclose less than 60 degrees.
 pub(crate) const FRONT: f64 = 0.5;
-/// Difference of distances that are taken as equal, relative to the largest coordinate: a few roundings.
+/// Difference of distances that are taken as equal, relative to the largest coordinate of surfaces: a few roundings.
 const SAME_DISTANCE: f64 = 16.0 * f64::EPSILON;
 /// Gaps in extents of the cell across the film: up to the first the share `χ` is one, from the second on zero, linear
 /// between. Two layers of cells carry 3/4 of the flux of a film, four layers 15/16.
@@ -35,6 +35,8 @@ const DEGREE: usize = 2;
 pub struct FilmSurfaces<const D: usize> {
     index: SurfaceIndex<D>,
     normals: Vec<Vector<D>>,
+    /// Difference of distances that are taken as equal.
+    rounding: f64,
 }
 
 impl<const D: usize> FilmSurfaces<D> {
@@ -60,7 +62,9 @@ impl<const D: usize> FilmSurfaces<D> {
             let points = &background.facet_points(facet)[..D];
             push(points, -facet_normal(points));
         }
-        Self { index: SurfaceIndex::new(&Placed::new(&BoundaryMesh::from_facets(facets), &positions)), normals }
+        let rounding = SAME_DISTANCE * positions.iter().map(|x| x.amax()).fold(0.0, f64::max);
+        let index = SurfaceIndex::new(&Placed::new(&BoundaryMesh::from_facets(facets), &positions));
+        Self { index, normals, rounding }
     }
 
     /// Returns the vertices of a facet.
@@ -96,7 +100,7 @@ impl<const D: usize> FilmSurfaces<D> {
         let is_closer = |a: &&FilmFoot<D>, b: &&FilmFoot<D>| a.distance.total_cmp(&b.distance);
         let least = in_front.iter().min_by(is_closer)?.distance;
         // At an edge of a body facets on both sides of it have the same foot.
-        let nearest = least + SAME_DISTANCE * x.amax();
+        let nearest = least + self.rounding;
         let pairs = in_front.iter().filter(|foot| foot.distance <= nearest).filter_map(|here| {
             let facing = in_front.iter().filter(|foot| are_opposite(&foot.normal, &here.normal));
             Some([*here, *facing.min_by(is_closer)?])

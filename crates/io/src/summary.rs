@@ -71,7 +71,8 @@ pub struct Summary {
     /// Smallest [`crate::distance`].
     pub min_distance: Option<f64>,
     /// Whether no step increased the energy by more than 1e-8 of the energies of the run, without the work of loads,
-    /// forces, open boundaries and given velocities. The energies of the run are the largest sum of kinetic, elastic
+    /// forces, open boundaries and given velocities, and without increases below twice [`solver::Ledger::defect`]. The
+    /// energies of the run are the largest sum of kinetic, elastic
     /// and stored energies and absolute changes of the energy of gravity since the start, here at least the weights of
     /// the bodies times their largest extents.
     pub energy_monotone: bool,

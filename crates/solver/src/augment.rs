@@ -77,6 +77,7 @@ impl<const D: usize> Step<'_, D> {
         match newton(&self.problem().equations, &mut refined, work, &settings) {
             Ok(last) => {
                 x.copy_from_slice(&refined);
+                report.residual_power = last.residual_power;
                 report.add_work(&last);
             }
             Err(mut error) => report.add_work(error.report_mut()),

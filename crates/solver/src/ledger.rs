@@ -147,7 +147,9 @@ impl<const D: usize> Problem<'_, D> {
         let Solution { x, reactions, ends, balances, .. } = *solution;
         let (layout, dt, before) = (&step.layout, step.time.length, step.previous);
         let work = |terms: &dyn Contributions| dt * power(terms, x);
-        let mut of_constraints: f64 = step.constraints.iter().map(|(dof, x)| x * reactions[dof.index()]).sum();
+        // Means of pockets are removed from `x`, so that it may differ from the prescribed values.
+        let prescribed = step.constraints.iter();
+        let mut of_constraints: f64 = prescribed.map(|(dof, _)| x[dof.index()] * reactions[dof.index()]).sum();
         of_constraints += step.constraints.offsets().map(|(dof, x)| x * reactions[dof.index()]).sum::<f64>();
         // Prescribed masters of a tied dof prescribe a part of its value.
         for (dof, to) in step.constraints.ties() {

@@ -47,6 +47,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     /// divided.
     pub fn run(&mut self, n_steps: usize, observers: &mut [&mut dyn Observer<D>]) -> Result<(), StepError> {
         let (step, time) = (self.state.step, self.state.time);
+        (self.lost, self.failure) = (NewtonReport::default(), None);
         let start = StepView {
             setup: self.setup,
             previous: &self.state,

@@ -64,7 +64,7 @@ pub(super) fn check_surfaces<const D: usize>(
     Ok(())
 }
 
-/// Checks that every body has a part in the domain, that no body covers the domain, and that no two bodies overlap.
+/// Checks that every movable body has a part in the domain, and others in the box around it, that no body covers the domain, and that no two bodies overlap.
 pub(super) fn check_placement<const D: usize>(
     given: &[At<BodyKeys>],
     setup: &Setup<D>,
@@ -91,7 +91,9 @@ pub(super) fn check_placement<const D: usize>(
         )));
     }
     for (k, (body, positions)) in setup.bodies.iter().zip(positions).enumerate() {
-        if has_no_interface[k] || !Aabb::of_points(positions).overlaps(&domain) {
+        // Prescribed bodies may enter later. A body that fills a part of the background has no interface.
+        let is_beside = body.is_movable() && has_no_interface[k] && alone[k] <= ROUND_OFF * background.volume();
+        if is_beside || !Aabb::of_points(positions).overlaps(&domain) {
             let name = body.name();
             let span = |Aabb { low, high }: Aabb<D>| format!("from {:?} to {:?}", low.as_slice(), high.as_slice());
             let (of_body, of_background) = (span(Aabb::of_points(positions)), span(domain));

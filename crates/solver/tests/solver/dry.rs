@@ -203,7 +203,10 @@ fn gravity_that_varies_in_time_is_a_load() {
                 assert!((forces.body_force - gravity * mass).norm() < 1e-12 && forces.remainder().norm() < 1e-9);
             }
             let ledger = &report.ledger;
-            assert!(ledger.defect().abs() < 1e-9 && ledger.dissipation() > -1e-9, "{ledger:?}");
+            assert!(
+                ledger.defect().abs() < 1e-9 && ledger.other.abs() < 1e-9 && ledger.dissipation() > -1e-9,
+                "{ledger:?}"
+            );
             if before_end == 0.0 {
                 let velocity = report.bodies[0].balance.expect("a movable body").momentum / mass;
                 let work = -2.0 * dt * mass * gravity.dot(&velocity);
