@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use algebra::{BlockLayout, DofId, RegimeHash, Sites};
 use body::{ByDof, SurfaceMotion, SurfaceStress};
-use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, SimplexRule, Vector, VertexId, positive};
+use mesh::{
+    BoundaryMesh, Coordinates, FacetId, MAX_FACET_VERTICES, Placed, Point, SimplexRule, Vector, VertexId, positive,
+};
 
 use crate::law::discrete_gradient;
 use crate::segments::{Segment, divide};
@@ -18,6 +20,8 @@ pub struct ContactForm<const D: usize> {
     pub law: Arc<dyn ContactLaw>,
     size: f64,
     rule: SimplexRule,
+    /// Rule for segments that begin on the axis of axisymmetric coordinates.
+    axis_rule: SimplexRule,
 }
 
 impl<const D: usize> ContactForm<D> {
@@ -28,13 +32,46 @@ impl<const D: usize> ContactForm<D> {
     /// [`Error::Parameter`]: contact size not positive.
     pub fn new(law: impl ContactLaw + 'static, size: f64) -> Result<Self, Error> {
         positive("contact size", size)?;
-        Ok(Self { law: Arc::new(law), size, rule: SimplexRule::with_vertices(D - 1) })
+        Ok(Self {
+            law: Arc::new(law),
+            size,
+            rule: SimplexRule::with_vertices(D - 1),
+            axis_rule: SimplexRule::lobatto_segment_from_axis(),
+        })
     }
 
     /// Returns the contact size `s`.
     pub fn size(&self) -> f64 {
         self.size
     }
+
+    /// Returns the quadrature points of a segment: their barycentric coordinates in the facet with the given corners,
+    /// and their weights relative to the measure of the segment. They contain the weight of the coordinates. Where the
+    /// segment begins on the axis, the rule has the radius as a factor; with the other one the end on the axis, which
+    /// is the first point of a body to touch, would have no weight.
+    fn points_of(
+        &self,
+        segment: &Segment<D>,
+        corners: &[Point<D>; MAX_FACET_VERTICES],
+        coordinates: Coordinates,
+    ) -> Vec<([f64; D], f64)> {
+        let weight_at = |shape: [f64; D]| coordinates.weight(&point_at(corners, &shape));
+        let at_ends = segment.corners.map(weight_at);
+        let on_axis = at_ends.iter().position(|weight| *weight == 0.0);
+        let mean = at_ends.iter().sum::<f64>() / D as f64;
+        let rule = if on_axis.is_some() { &self.axis_rule } else { &self.rule };
+        let points = rule.points().iter().zip(rule.weights()).map(|(&(mut point), weight)| {
+            point.swap(0, on_axis.unwrap_or(0));
+            let shape = segment.at(&point);
+            (shape, weight * if on_axis.is_some() { mean } else { weight_at(shape) })
+        });
+        points.collect()
+    }
+}
+
+/// Returns the point of a facet with the given shape functions of its corners.
+fn point_at<const D: usize>(corners: &[Point<D>; MAX_FACET_VERTICES], shape: &[f64; D]) -> Point<D> {
+    corners.iter().zip(shape).map(|(corner, share)| corner * *share).sum()
 }
 
 /// Slave and obstacle in one step.
@@ -90,23 +127,30 @@ struct Item<const D: usize> {
     /// Position in [`ContactPair::facets`].
     number: usize,
     facet: FacetId,
-    /// Measure of the facet at the start of the step.
-    measure: f64,
     /// Facets of the obstacle that the facet may touch.
     candidates: Vec<FacetId>,
-    /// Parts of the facet on which the master's shape functions have no kinks.
-    segments: Vec<Segment<D>>,
+    /// Quadrature points. Those of one segment, on which the master's shape functions have no kinks, follow each other.
+    points: Vec<SlavePoint<D>>,
     /// Vertices of the candidates, each once, in order, with their first local rows.
     masters: Vec<(VertexId, Option<usize>)>,
     /// Dofs, each once: those of slave, master and stress.
     dofs: Vec<DofId>,
-    /// Whether each point of each segment is past the end of the obstacle at the start of the step.
-    is_past_end: Vec<bool>,
-    /// Gap at the start of the step at each point of each segment, infinite without an obstacle in reach; only for the
-    /// discrete gradient of a law with energy.
+    /// Gap at the start of the step at each point, infinite without an obstacle in reach; only for the discrete
+    /// gradient of a law with energy.
     begin_gaps: Vec<f64>,
-    /// Multiplier at each point of each segment; empty in the first solve and for laws without multipliers.
+    /// Multiplier at each point; empty in the first solve and for laws without multipliers.
     multipliers: Vec<Local>,
+}
+
+/// A quadrature point of a facet of the slave.
+#[derive(Clone, Debug)]
+struct SlavePoint<const D: usize> {
+    /// Shape functions of the vertices of the facet.
+    shape: [f64; D],
+    /// Quadrature weight with the measure of the facet at the start of the step.
+    weight: f64,
+    /// Whether the point is past the end of the obstacle at the start of the step.
+    is_past_end: bool,
 }
 
 /// Multipliers of all points of a contact after a solve.
@@ -190,30 +234,25 @@ impl<const D: usize> ContactItems<D> {
             let mut of_stress = Vec::new();
             pair.stress.iter().for_each(|stress| stress.dofs(facet, &mut of_stress));
             of_stress.into_iter().for_each(|dof| _ = row_of(dof, &mut dofs));
-            let measure = placed.facet_measure(facet);
-            let begin_gap = |point: Point<D>| {
-                let found = obstacle.project(&point, Positions::Fixed(positions), &candidates);
-                found.map_or(f64::INFINITY, |projection| projection.gap(&point))
-            };
             let corners = placed.facet_points(facet);
-            let at = |shape: [f64; D]| (0..D).map(|k| corners[k] * shape[k]).sum::<Point<D>>();
-            let shapes = segments.iter().flat_map(|s| pair.form.rule.points().iter().map(|point| s.at(point)));
-            let points: Vec<Point<D>> = shapes.map(at).collect();
-            let is_past_end = |x| obstacle.is_past_end(x, Positions::Fixed(positions), &candidates);
-            let is_past_end = points.iter().map(is_past_end).collect();
-            let begin_gaps = if is_gradient { points.into_iter().map(begin_gap).collect() } else { Vec::new() };
-            items.push(Item {
-                number,
-                facet,
-                measure,
-                candidates,
-                segments,
-                masters,
-                dofs,
-                is_past_end,
-                begin_gaps,
-                multipliers: Vec::new(),
-            });
+            let (coordinates, measure) = (slave.boundary.coordinates(), placed.facet_measure(facet));
+            let on_segment = |segment: Segment<D>| {
+                let points = pair.form.points_of(&segment, &corners, coordinates).into_iter();
+                points.map(move |(shape, weight)| (shape, weight * (segment.share * measure)))
+            };
+            let point = |(shape, weight)| {
+                let start = point_at(&corners, &shape);
+                let is_past_end = obstacle.is_past_end(&start, Positions::Fixed(positions), &candidates);
+                SlavePoint { shape, weight, is_past_end }
+            };
+            let points: Vec<_> = segments.into_iter().flat_map(on_segment).map(point).collect();
+            let begin_gap = |point: &SlavePoint<D>| {
+                let start = point_at(&corners, &point.shape);
+                let found = obstacle.project(&start, Positions::Fixed(positions), &candidates);
+                found.map_or(f64::INFINITY, |projection| projection.gap(&start))
+            };
+            let begin_gaps = if is_gradient { points.iter().map(begin_gap).collect() } else { Vec::new() };
+            items.push(Item { number, facet, candidates, points, masters, dofs, begin_gaps, multipliers: Vec::new() });
         }
         Self { items, is_searched }
     }
@@ -295,9 +334,7 @@ impl<const D: usize> ContactSites<'_, D> {
 
     /// Visits the points of an item that are in contact, without their traction.
     fn each_point(&self, item: usize, x: &[f64], mut visit: impl FnMut(&mut ContactSite<D>)) {
-        let (item, slave, rule) = (&self.items.items[item], self.pair.slave, &self.pair.form.rule);
-        let coordinates = slave.boundary.coordinates();
-        let at_start = Placed::new(slave.boundary, &slave.start).facet_points(item.facet);
+        let (item, slave) = (&self.items.items[item], self.pair.slave);
         let mut points = [Point::zeros(); D];
         let mut site = ContactSite::new();
         if let Some(stress) = &self.pair.stress {
@@ -309,24 +346,15 @@ impl<const D: usize> ContactSites<'_, D> {
         for (k, &vertex) in slave.boundary.facet(item.facet).iter().enumerate() {
             (points[k], site.nodes[k]) = self.node(slave, vertex, slave.field().map(|_| D * k), x);
         }
-        for (s, segment) in item.segments.iter().enumerate() {
-            let measure = segment.share * item.measure;
-            for (q, (point, weight)) in rule.points().iter().zip(rule.weights()).enumerate() {
-                site.number = s * rule.weights().len() + q;
-                if item.is_past_end[site.number] {
-                    continue;
-                }
-                let shape = segment.at(point);
-                let (mut position, mut start) = (Point::zeros(), Point::zeros());
-                for k in 0..D {
-                    site.nodes[k].share = shape[k];
-                    position += points[k] * shape[k];
-                    start += at_start[k] * shape[k];
-                }
-                site.weight = weight * measure * coordinates.weight(&start);
-                if self.evaluate(item, &position, x, &mut site) {
-                    visit(&mut site);
-                }
+        for (number, point) in item.points.iter().enumerate().filter(|(_, point)| !point.is_past_end) {
+            let mut position = Point::zeros();
+            for k in 0..D {
+                site.nodes[k].share = point.shape[k];
+                position += points[k] * point.shape[k];
+            }
+            (site.number, site.weight) = (number, point.weight);
+            if self.evaluate(item, &position, x, &mut site) {
+                visit(&mut site);
             }
         }
     }
@@ -337,15 +365,8 @@ impl<const D: usize> ContactSites<'_, D> {
         (form.law.stress() == StressSource::Multiplier).then_some(())?;
         let mut multipliers = Multipliers { values: Vec::with_capacity(items.len()), change: 0.0, largest: 0.0 };
         for (number, item) in items.iter().enumerate() {
-            let n_points = item.segments.len() * form.rule.weights().len();
-            let mut values = vec![Local::default(); n_points];
-            // A point on the axis has no weight, and its traction does not move the body.
-            let mut visit = |site: &ContactSite<D>| {
-                if site.weight > 0.0 {
-                    values[site.number] = site.traction.value;
-                }
-            };
-            self.visit(number, x, &mut visit);
+            let mut values = vec![Local::default(); item.points.len()];
+            self.visit(number, x, |site| values[site.number] = site.traction.value);
             for (k, value) in values.iter().enumerate() {
                 let before = item.multipliers.get(k).copied().unwrap_or_default();
                 let norm = |of: &dyn Fn(usize) -> f64| (0..3).map(|i| of(i).powi(2)).sum::<f64>().sqrt();
@@ -411,5 +432,28 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
             self.each_point(k, x, |site| hash.extend([item.number as u64, site.number as u64]));
         }
         hash.value()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::PenaltyLaw;
+
+    #[test]
+    fn points_of_segments_on_the_axis_have_weights_and_integrate() {
+        let form = ContactForm::<2>::new(PenaltyLaw::new(1.0, 0.0).expect("a law"), 1.0).expect("a form");
+        for ends in [[0.0, 2.0], [2.0, 0.0], [2.0, 3.0]] {
+            let corners = [ends[0], ends[1], 0.0].map(|r| Point::<2>::new(r, 1.0));
+            let points = form.points_of(&Segment::whole(), &corners, Coordinates::Axisymmetric);
+            assert!(points.iter().all(|(_, weight)| *weight > 0.0), "{points:?}");
+            for degree in 0..=4 {
+                let integral: f64 =
+                    points.iter().map(|(s, weight)| weight * point_at(&corners, s)[0].powi(degree)).sum();
+                let primitive = |r: f64| std::f64::consts::TAU * r.powi(degree + 2) / f64::from(degree + 2);
+                let exact = ((primitive(ends[1]) - primitive(ends[0])) / (ends[1] - ends[0])).abs();
+                assert!((integral - exact).abs() < 1e-13 * exact, "{ends:?}, {degree}: {integral} {exact}");
+            }
+        }
     }
 }

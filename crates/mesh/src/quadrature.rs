@@ -66,11 +66,28 @@ impl SimplexRule {
 
     /// Returns the Gauss-Lobatto rule with four points on a segment, including its ends; exact to degree 5.
     pub fn lobatto_segment() -> Self {
-        let a = 0.5 * (1.0 - (0.2_f64).sqrt());
+        let root = 5.0_f64.sqrt();
+        let [near, far] = [-root, root].map(|root| ((5.0 + root) / 10.0, 5.0 / 12.0));
+        Self::on_segment([(0.0, 1.0 / 12.0), near, far, (1.0, 1.0 / 12.0)])
+    }
+
+    /// Returns the Gauss-Lobatto-Jacobi rule with four points on a segment, including its ends, for integrals with the
+    /// distance from the first end as a factor, divided by that of the factor; exact to degree 5.
+    ///
+    /// For axisymmetric coordinates and a segment whose first end is on the axis. This end has a positive weight.
+    ///
+    /// Source: Bernardi, Dauge and Maday 1999, Spectral Methods for Axisymmetric Domains.
+    pub fn lobatto_segment_from_axis() -> Self {
+        let root = 2.0_f64.sqrt();
+        let [near, far] = [-root, root].map(|root| ((4.0 + root) / 7.0, 17.0 / 40.0 + root / 12.0));
+        Self::on_segment([(0.0, 1.0 / 60.0), near, far, (1.0, 2.0 / 15.0)])
+    }
+
+    fn on_segment(points: [(f64, f64); 4]) -> Self {
         let mut rule = Self::empty(1);
-        for (x, w) in [(0.0, 1.0 / 12.0), (a, 5.0 / 12.0), (1.0 - a, 5.0 / 12.0), (1.0, 1.0 / 12.0)] {
+        for (x, weight) in points {
             rule.points.push([1.0 - x, x, 0.0, 0.0]);
-            rule.weights.push(w);
+            rule.weights.push(weight);
         }
         rule
     }
@@ -260,5 +277,16 @@ mod tests {
         }
         check_rule(&SimplexRule::lobatto_segment(), 5);
         check_rule(&SimplexRule::with_vertices(2), 3);
+    }
+
+    #[test]
+    fn the_rule_from_the_axis_is_exact_with_the_radius_as_a_factor() {
+        let rule = SimplexRule::lobatto_segment_from_axis();
+        for degree in 0..=5 {
+            let computed: f64 = rule.points().iter().zip(rule.weights()).map(|(p, w)| w * p[1].powi(degree)).sum();
+            let exact = 2.0 / f64::from(degree + 2);
+            assert!((computed - exact).abs() < 1e-15, "{degree}: {computed} {exact}");
+        }
+        assert!(rule.weights().iter().all(|weight| *weight > 0.0));
     }
 }

@@ -36,6 +36,7 @@ pub use frames::{Frames, Packed, Recorder, Snapshot};
 pub use html::{Page, Section};
 pub use page::run_as_html;
 pub use picture::write_picture;
+pub use raster::Raster;
 pub use results::Results;
 
 /// Removes the page and the frames of an earlier run from a directory of results. Frames that belong to checkpoints

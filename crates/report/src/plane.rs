@@ -25,11 +25,3 @@ pub fn outline<const D: usize>(body: &dyn Body<D>, positions: &[Point<D>], mirro
     });
     edges.filter(|ends| !ends.iter().all(on_plane)).collect()
 }
-
-/// Returns the barycentric coordinates of a point in a triangle; `None` outside.
-pub fn barycentric([a, b, c]: [[f64; 2]; 3], x: [f64; 2]) -> Option<[f64; 3]> {
-    let cross = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
-    let area = cross(a, b, c);
-    let l = [cross(x, b, c) / area, cross(x, c, a) / area, cross(x, a, b) / area];
-    l.iter().all(|l| *l >= -1e-9).then_some(l)
-}

@@ -3,15 +3,15 @@
 use mesh::{Point, SimplexMesh, Vector};
 use solver::FluidState;
 
-use crate::plane::barycentric;
-
 /// Points in rows and columns of a rectangle, the first one half a step from its lower left corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Raster {
-    pub(crate) low: [f64; 2],
-    pub(crate) step: [f64; 2],
+pub struct Raster {
+    /// Lower left corner of the rectangle.
+    pub low: [f64; 2],
+    /// Distances of columns and of rows.
+    pub step: [f64; 2],
     /// Columns and rows.
-    pub(crate) n: [usize; 2],
+    pub n: [usize; 2],
 }
 
 impl Raster {
@@ -46,7 +46,7 @@ impl Raster {
     }
 
     /// Visits the points inside a triangle, with their indices and barycentric coordinates.
-    fn for_each_point(&self, corners: [[f64; 2]; 3], mut visit: impl FnMut(usize, [f64; 3])) {
+    pub fn for_each_point(&self, corners: [[f64; 2]; 3], mut visit: impl FnMut(usize, [f64; 3])) {
         let range = |k: usize| {
             let at = |x: f64| (x - self.low[k]) / self.step[k] - 0.5;
             let low = corners.iter().map(|x| at(x[k])).fold(f64::INFINITY, f64::min).ceil().max(0.0);
@@ -55,17 +55,27 @@ impl Raster {
         };
         for row in range(1) {
             for column in range(0) {
-                if let Some(shares) = barycentric(corners, self.point(column, row)) {
-                    visit(row * self.n[0] + column, shares);
+                let index = row * self.n[0] + column;
+                if let Some(shares) = barycentric(corners, self.point(index)) {
+                    visit(index, shares);
                 }
             }
         }
     }
 
-    fn point(&self, column: usize, row: usize) -> [f64; 2] {
+    /// Returns the point with an index.
+    pub fn point(&self, index: usize) -> [f64; 2] {
         let at = |k: usize, i: usize| self.low[k] + (i as f64 + 0.5) * self.step[k];
-        [at(0, column), at(1, row)]
+        [at(0, index % self.n[0]), at(1, index / self.n[0])]
     }
+}
+
+/// Returns the barycentric coordinates of a point in a triangle; `None` outside.
+fn barycentric([a, b, c]: [[f64; 2]; 3], x: [f64; 2]) -> Option<[f64; 3]> {
+    let cross = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+    let area = cross(a, b, c);
+    let l = [cross(x, b, c) / area, cross(x, c, a) / area, cross(x, a, b) / area];
+    l.iter().all(|l| *l >= -1e-9).then_some(l)
 }
 
 #[cfg(test)]
@@ -77,12 +87,12 @@ mod tests {
         let raster = Raster::new([0.0, 0.0], [1.0, 1.0], 4.0);
         let mut seen = [false; 16];
         raster.for_each_point([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], |at, [a, b, c]| {
-            let [x, y] = raster.point(at % 4, at / 4);
+            let [x, y] = raster.point(at);
             assert!((b - x).abs() + (c - y).abs() + (a + b + c - 1.0).abs() < 1e-12);
             seen[at] = true;
         });
         for (at, seen) in seen.iter().enumerate() {
-            let [x, y] = raster.point(at % 4, at / 4);
+            let [x, y] = raster.point(at);
             assert_eq!(*seen, x + y <= 1.0 + 1e-9);
         }
     }

@@ -3,7 +3,8 @@
 use crate::units::cgs;
 use cutwater::io::vtk::fluid::{curl, fluid_polygons};
 use cutwater::mesh::{SimplexMesh, VertexId};
-use cutwater::report::plane::{barycentric, outline};
+use cutwater::report::Raster;
+use cutwater::report::plane::outline;
 use cutwater::solver::{FluidState, StepView};
 
 use super::view::{View, bounds, picture};
@@ -73,22 +74,13 @@ pub(super) fn draw<const D: usize>(view: &StepView<'_, D>, leading: usize, mirro
 fn vectors(shown: &mut View, triangles: &[[ShownCorner; 3]], low: [f64; 2], high: [f64; 2]) -> f64 {
     let spacing = shown.length(SPACING);
     let mut found = Vec::new();
+    let n = [0, 1].map(|k| ((high[k] - low[k]) / spacing + 0.5).floor().max(0.0) as usize);
+    let raster = Raster { low, step: [spacing; 2], n };
     for triangle in triangles {
-        let range = |k: usize| {
-            let along = || triangle.iter().map(|corner| (corner.x[k] - low[k]) / spacing - 0.5);
-            let last = ((high[k] - low[k]) / spacing - 0.5).floor();
-            let (from, to) = (along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max));
-            (from.ceil().max(0.0) as i64)..=(to.floor().min(last) as i64)
-        };
-        for row in range(1) {
-            for column in range(0) {
-                let x = [low[0] + (column as f64 + 0.5) * spacing, low[1] + (row as f64 + 0.5) * spacing];
-                if let Some(shares) = barycentric(triangle.map(|corner| corner.x), x) {
-                    let component = |k: usize| (0..3).map(|c| triangle[c].velocity[k] * shares[c]).sum::<f64>();
-                    found.push((x, [component(0), component(1)]));
-                }
-            }
-        }
+        raster.for_each_point(triangle.map(|corner| corner.x), |index, shares| {
+            let component = |k: usize| (0..3).map(|c| triangle[c].velocity[k] * shares[c]).sum::<f64>();
+            found.push((raster.point(index), [component(0), component(1)]));
+        });
     }
     let longest = found.iter().map(|(_, u)| u[0].hypot(u[1])).fold(0.0, f64::max);
     let scale = shown.length(LONGEST_VECTOR) / longest.max(1e-12);

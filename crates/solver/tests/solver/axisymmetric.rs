@@ -280,12 +280,12 @@ fn other_coordinates_and_a_wall_on_the_axis_are_refused() {
 
 #[test]
 fn a_rigid_ball_rests_on_the_floor_with_its_weight() {
-    // The lowest point is on the axis, where a point of contact has no weight.
+    // Its lowest point is on the axis. The law holds it at the distance zero from the floor.
     let (density, gravity) = (2.0, 10.0);
     let ball = rigid("ball", &ball(0.5001, 0.5, 0.1), density, V::new(0.0, -gravity));
     let mut setup = dry(vec![Arc::new(ball)], 0.01);
     setup.newton = NewtonSettings::new(1e-9);
-    let law = AugmentedLagrangianLaw::new(1e4, 0.0, 0.0, 1e-6).expect("a law");
+    let law = AugmentedLagrangianLaw::new(1e7, 0.0, 0.0, 1e-6).expect("a law");
     let (form, obstacle) = (ContactForm::new(law, 0.1).expect("a size"), ground());
     let facets = setup.bodies[0].surface().facets().collect();
     setup.contacts.push(Contact::new(&setup.bodies, BodyId(0), facets, form, obstacle).expect("a contact"));
@@ -293,4 +293,6 @@ fn a_rigid_ball_rests_on_the_floor_with_its_weight() {
     let balance = setup.bodies[0].balance(&state.bodies[0]).expect("a free body");
     let force = reports.last().map_or(0.0, |report| report.contacts[0].force[1]);
     assert!((force / (balance.mass * gravity) - 1.0).abs() < 1e-4, "{}", force / (balance.mass * gravity));
+    let gap = reports.last().and_then(|report| report.contacts[0].minimum_gap).expect("a gap");
+    assert!(gap.abs() < 1e-6, "{gap}");
 }
