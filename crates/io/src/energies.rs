@@ -52,7 +52,7 @@ impl Energies {
     pub(crate) fn new<const D: usize>(setup: &Setup<D>, start: &State<D>) -> Self {
         let mut energies = Self { largest: start.fluid_energy() + start.contact_energy, ..Self::default() };
         energies.collides = setup.contacts.iter().map(|contact| contact.form().law.restitution().is_some()).collect();
-        energies.has_inertia = setup.scheme.weights(setup.dt, true).stage_acceleration.slope != 0.0;
+        energies.has_inertia = setup.scheme.weights(setup.dt, true).has_inertia();
         let balances: Vec<_> =
             setup.bodies.iter().zip(&start.bodies).map(|(body, state)| body.balance(state)).collect();
         let of_gravity = |balance: &Option<Balance<D>>| balance.as_ref().map_or(0.0, |of| of.potential_energy);

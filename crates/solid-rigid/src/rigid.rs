@@ -168,7 +168,7 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         let [shifted, end] = &time.weights.shifted;
         // Positions at the end are linearised about the spin at the start. Without inertia the spin at the start does
         // not approximate that of the step, and zero is used.
-        let has_inertia = time.weights.stage_acceleration != Row::default();
+        let has_inertia = time.weights.has_inertia();
         let spin = if has_inertia { motion.spin } else { [0.0; 3] };
         let velocities = geometry.iter().map(|x| spin_velocity(&spin, &(x - centre)));
         let at_end = self.positions_by(&motion, end, &spin);
@@ -295,6 +295,9 @@ impl<const D: usize> BodyStep<D> for RigidStep<'_, D> {
     }
 
     fn guess(&self, layout: &BlockLayout, x: &mut [f64]) {
+        if !self.time.weights.has_inertia() {
+            return;
+        }
         layout.set(self.vertices, self.start.velocity().iter().map(|v| (*v).into()), x);
         let RigidMotion { velocity, spin, .. } = &self.motion;
         for (value, dof) in velocity.iter().chain(spin).zip(layout.node(self.whole, 0)) {

@@ -224,7 +224,9 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
     }
 
     fn guess(&self, layout: &BlockLayout, x: &mut [f64]) {
-        layout.set(self.field, self.start.velocity().iter().map(|v| (*v).into()), x);
+        if self.time.weights.has_inertia() {
+            layout.set(self.field, self.start.velocity().iter().map(|v| (*v).into()), x);
+        }
     }
 
     fn end(&self, layout: &BlockLayout, x: &[f64]) -> BodyState<D> {

@@ -107,6 +107,11 @@ impl Weights {
         Level { displacement, velocity: at(&self.velocity), acceleration: at(&self.acceleration) }
     }
 
+    /// Returns whether the scheme has inertia.
+    pub fn has_inertia(&self) -> bool {
+        self.stage_acceleration != Row::default()
+    }
+
     /// Returns the velocity at the stage for which the velocity at the end has a given value.
     pub fn stage_velocity(&self, end: f64, start: f64) -> f64 {
         if self.alpha_f == 0.0 { end } else { (1.0 - self.alpha_f) * end + self.alpha_f * start }

@@ -312,3 +312,37 @@ vtk_every = 0
     assert!(largest > 30.0, "{largest}");
     column("force_remainder").for_each(|remainder| assert!(remainder.abs() < 1e-5 * largest, "{remainder} {largest}"));
 }
+
+/// Equilibrium is found again although the motion of the step before would continue out of contact.
+#[test]
+fn a_block_rests_by_contact_alone_in_every_quasi_static_step() {
+    let text = r#"
+name      = "rest"
+dimension = 2
+units     = "si"
+time      = { step = 1.0, end = 4.0, scheme = "quasi-static" }
+
+[[body]]
+name     = "block"
+shape    = { kind = "box", min = [0.0, 0.05], max = [1.0, 0.55], n = [4, 2] }
+material = { kind = "linear", young = 1e3, poisson = 0.0 }
+density  = 2.0
+gravity  = [0.0, -10.0]
+
+[contact]
+body     = "block"
+obstacle = { kind = "rigid-plane", point = [0.0, 0.0], normal = [0.0, -1.0] }
+law      = { kind = "nitsche", friction = 0.5 }
+size     = 0.01
+offset   = 0.1
+
+[output]
+vtk_every = 0
+"#;
+    let directory = fresh_directory("rest");
+    results(&legal(text, &[]), &directory);
+    let tables = RunTables::read(&directory).expect("tables");
+    let forces = tables.column("contact_force").expect("a column");
+    assert_eq!(forces.len(), 4);
+    forces.iter().for_each(|(time, force)| assert!((force - 10.0).abs() < 1e-6, "{time}: {force}"));
+}
