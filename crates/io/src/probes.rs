@@ -18,6 +18,8 @@ pub struct Probes<const D: usize> {
     pub(crate) lines: Vec<ProbeLine<D>>,
     /// Names of the columns of the files of `lines`.
     pub(crate) line_header: Vec<String>,
+    /// Warnings about points outside of the background, and markers far from their bodies.
+    pub(crate) warnings: Vec<String>,
 }
 
 /// A probe with columns.
@@ -138,10 +140,9 @@ impl<const D: usize> Probe<D> {
             Measured::Flux { corner, sides, normal, n } => {
                 let coordinates = fluid.map(|(setup, _)| setup.background.coordinates()).unwrap_or_default();
                 let (mut flux, mut pressure, mut wet) = (0.0, 0.0, 0.0);
-                let n_points = n.pow(sides.len() as u32);
-                for k in 0..n_points {
-                    let place = |side: usize| ((k / n.pow(side as u32) % n) as f64 + 0.5) / *n as f64;
-                    let x = sides.iter().enumerate().fold(*corner, |x, (side, along)| x + along * place(side));
+                let points = section_points(*corner, sides, *n);
+                let n_points = points.len();
+                for x in points {
                     if let Some((velocity, p)) = at(&x) {
                         let weight = coordinates.weight(&x);
                         flux += velocity.dot(normal) * weight;
@@ -157,6 +158,18 @@ impl<const D: usize> Probe<D> {
             }
         }
     }
+}
+
+/// Returns the middles of `n` intervals along each side of a section.
+pub(crate) fn section_points<const D: usize>(
+    corner: Point<D>,
+    sides: &[Vector<D>],
+    n: usize,
+) -> impl ExactSizeIterator<Item = Point<D>> {
+    (0..n.pow(sides.len() as u32)).map(move |k| {
+        let place = |side: usize| ((k / n.pow(side as u32) % n) as f64 + 0.5) / n as f64;
+        sides.iter().enumerate().fold(corner, |x, (side, along)| x + along * place(side))
+    })
 }
 
 /// Returns a force and its moment as values of the columns.
@@ -180,14 +193,18 @@ impl<const D: usize> ProbeLine<D> {
     /// Returns the rows: position, velocity and pressure; NaN outside the fluid.
     pub(crate) fn rows(&self, view: &StepView<'_, D>) -> Vec<Vec<f64>> {
         let fluid = view.setup.fluid.as_ref().zip(view.state.fluid.as_ref());
-        let [from, to] = self.ends;
-        let row = |k: usize| {
-            let x = from + (to - from) * (k as f64 / (self.n - 1) as f64);
+        let row = |x: Point<D>| {
             let found = fluid.and_then(|(setup, fluid)| values_at(&setup.background, fluid, &x));
             let (velocity, pressure) = found.unwrap_or((Vector::repeat(f64::NAN), f64::NAN));
             x.iter().chain(&velocity).copied().chain([pressure]).collect()
         };
-        (0..self.n).map(row).collect()
+        self.points().map(row).collect()
+    }
+
+    /// Returns the points.
+    pub(crate) fn points(&self) -> impl ExactSizeIterator<Item = Point<D>> {
+        let ([from, to], n) = (self.ends, self.n);
+        (0..n).map(move |k| from + (to - from) * (k as f64 / (n - 1) as f64))
     }
 }
 

@@ -25,6 +25,7 @@ use crate::vtk::fluid::fluid_grid;
 use crate::vtk::interface::interface_grid;
 use crate::vtk::series::Series;
 use crate::vtk::surface::surface_grid;
+use crate::warnings::outside_at_end;
 use crate::watch::Watch;
 
 /// Series of field files, by the names of their indices.
@@ -415,6 +416,10 @@ impl<const D: usize> RunFiles<'_, D> {
         let bodies: Vec<_> = bodies.flatten().collect();
         self.summary.add(view, &bodies, seconds);
         self.history.write(view, &bodies, seconds)?;
+        if step == self.n_steps && view.ends_step() {
+            let summary = &mut self.summary.summary;
+            summary.outside = outside_at_end(view.setup, view.state, &summary.units.length);
+        }
         if is_output || step.is_multiple_of(10) || step == self.n_steps {
             self.write_summary()?;
         }

@@ -179,11 +179,17 @@ fn product(extents: &[f64]) -> String {
 }
 
 /// Describes mass, weight and buoyancy of the bodies at a state. The buoyancy is the body force of the fluid at the
-/// centre of mass times the volume of the elements of an elastic body, or inside the surface of another one.
+/// centre of mass times the volume of the elements of an elastic body, or inside the surface of another one. Forces that
+/// differ at the end of the run are given for this time, too.
 fn weights<const D: usize>(scenario: &Scenario, setup: &Setup<D>, state: &State<D>) -> Vec<String> {
     let unit = |quantity| scenario.units.total_label(quantity, scenario.dimension_of_whole());
     let (mass, force) = (unit(Quantity::MASS), unit(Quantity::FORCE));
-    let vector = |of: &Vector<D>| of.iter().map(|component| rounded(*component)).collect::<Vec<_>>();
+    let vector = |of: Vector<D>| of.iter().map(|component| rounded(*component)).collect::<Vec<_>>();
+    let forces = |of: &dyn Fn(f64) -> Vector<D>| {
+        let [start, end] = [state.time, scenario.time.end].map(|time| vector(of(time)));
+        let later = if end == start { String::new() } else { format!(" at the start and {end:?} {force} at the end") };
+        format!("{start:?} {force}{later}")
+    };
     let of_body = |(body, of): (&Arc<dyn Body<D>>, &BodyState<D>)| {
         let balance = body.balance(of)?;
         let positions = of.positions(body.reference());
@@ -191,15 +197,14 @@ fn weights<const D: usize>(scenario: &Scenario, setup: &Setup<D>, state: &State<
         let displaced = if body.deforms() { balance.volume } else { inside() };
         let buoyancy = match setup.fluid.as_ref().map(|fluid| fluid.body_force.as_ref()) {
             Some(Some(density)) => {
-                let on_body = -density(&balance.centre_of_mass, state.time) * displaced;
-                format!(", buoyancy {:?} {force}", vector(&on_body))
+                let on_body = |time| -density(&balance.centre_of_mass, time) * displaced;
+                format!(", buoyancy {}", forces(&on_body))
             }
             Some(None) => ", no buoyancy: the fluid has no `body_force`".to_owned(),
             None => String::new(),
         };
-        let (name, weight) =
-            (body.name(), vector(&(balance.body_force + body.variable_gravity(state.time) * balance.mass)));
-        Some(format!("body {name}: mass {:e} {mass}, weight {weight:?} {force}{buoyancy}", rounded(balance.mass)))
+        let weight = forces(&|time| balance.body_force + body.variable_gravity(time) * balance.mass);
+        Some(format!("body {}: mass {:e} {mass}, weight {weight}{buoyancy}", body.name(), rounded(balance.mass)))
     };
     shortened(setup.bodies.iter().zip(&state.bodies).filter_map(of_body).collect(), "weights")
 }

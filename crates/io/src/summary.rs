@@ -70,6 +70,10 @@ pub struct Summary {
     pub max_penetration_over_s: Option<f64>,
     /// Smallest [`crate::distance`].
     pub min_distance: Option<f64>,
+    /// Movable bodies that reach through a side with a prescribed velocity at the end of the run, by more than the size
+    /// of their contacts; not written if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub outside: Vec<String>,
     /// Whether no step increased the energy by more than 1e-8 of the energies of the run, without the work of loads,
     /// forces, open boundaries and given velocities, and without increases below twice [`solver::Ledger::defect`]. The
     /// energies of the run are the largest sum of kinetic, elastic

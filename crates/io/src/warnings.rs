@@ -29,15 +29,17 @@ pub(crate) fn warnings<const D: usize>(scenario: &Scenario, case: &Case<D>, stat
     let length = scenario.units.label(Quantity::LENGTH);
     let mut lines = contacts_at_start(setup, &positions, &length);
     lines.extend(contacts_in_fluid(setup, &length));
-    lines.extend(outside(setup, &positions, &length));
+    let reaching = outside(setup, &positions, &length).into_iter();
+    lines.extend(reaching.map(|(_, _, reaches)| format!("warning: {reaches}: the part outside is in no fluid")));
     lines.extend(small_bodies(setup, &positions));
-    lines.extend(body_forces(setup, state));
+    lines.extend(body_forces(setup, state, scenario.time.end));
     lines.extend(torn(setup, state));
     lines.extend(high_floor(setup));
     lines.extend(not_held(scenario, setup));
     lines.extend(parabolas(scenario, setup));
     lines.extend(turning(setup, state.time, &positions, &length));
     lines.extend(large_pressures(scenario, case));
+    lines.extend(case.probes.warnings.iter().cloned());
     let deforms = setup.bodies.iter().any(|body| body.deforms());
     let can_turn = !case.half_domain && !scenario.is_axisymmetric();
     if pressure_lags(setup) && deforms && setup.fluid.is_some() && can_turn {
@@ -103,20 +105,24 @@ fn contacts_in_fluid<const D: usize>(setup: &Setup<D>, length: &str) -> Vec<Stri
     lines
 }
 
-/// Returns warnings about a body force of the fluid that is not its density times the gravity of a body.
-fn body_forces<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<String> {
+/// Returns warnings about a body force of the fluid that is not its density times the gravity of a body, in the state or
+/// at the end of the run.
+fn body_forces<const D: usize>(setup: &Setup<D>, state: &State<D>, end: f64) -> Vec<String> {
     let Some((fluid, force)) = setup.fluid.as_ref().and_then(|fluid| Some((fluid, fluid.body_force.as_ref()?))) else {
         return Vec::new();
     };
     let of_body = |(body, of): (&Arc<dyn Body<D>>, &BodyState<D>)| {
         let balance = body.balance(of)?;
-        let gravity = balance.body_force / balance.mass + body.variable_gravity(state.time);
-        let (found, usual) = (force(&balance.centre_of_mass, state.time), gravity * fluid.material.density);
-        let differs = (found - usual).norm() > EQUAL * usual.norm() && gravity.norm() > 0.0;
+        let differs = |time: f64| {
+            let gravity = balance.body_force / balance.mass + body.variable_gravity(time);
+            let (found, usual) = (force(&balance.centre_of_mass, time), gravity * fluid.material.density);
+            let differs = (found - usual).norm() > EQUAL * usual.norm() && gravity.norm() > 0.0;
+            differs.then_some((time, found, usual))
+        };
         let shown = |of: &Vector<D>| of.iter().map(|component| rounded(*component)).collect::<Vec<_>>();
-        differs.then(|| {
+        [state.time, end].into_iter().find_map(differs).map(|(time, found, usual)| {
             format!(
-                "warning: `fluid.body_force` is {:?} at body {}, and the density of the fluid times the gravity of the body is {:?}: `body_force` is a \
+                "warning: at t = {time} `fluid.body_force` is {:?} at body {}, and the density of the fluid times the gravity of the body is {:?}: `body_force` is a \
                  force per volume",
                 shown(&found),
                 body.name(),
@@ -223,9 +229,24 @@ fn small_bodies<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>]) -
     setup.bodies.iter().zip(positions).filter_map(of_body).collect()
 }
 
-/// Returns warnings about bodies that reach through a side of the background with a prescribed velocity. Bodies may
-/// reach through planes of symmetry and open sides.
-fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length: &str) -> Vec<String> {
+/// Describes movable bodies that at the end of a run reach through a side of the background with a prescribed velocity,
+/// by more than the size of their contacts.
+pub(crate) fn outside_at_end<const D: usize>(setup: &Setup<D>, state: &State<D>, length: &str) -> Vec<String> {
+    let found = outside(setup, &setup.positions(&state.bodies), length).into_iter();
+    let touches = |contact: &&Contact<D>, body: usize| {
+        contact.body().index() == body || contact.master().is_some_and(|master| master.index() == body)
+    };
+    let allowed = |body: usize| {
+        let contacts = setup.contacts.iter().filter(|contact| touches(contact, body));
+        contacts.map(|contact| contact.form().size()).fold(0.0, f64::max)
+    };
+    let found = found.filter(|(body, distance, _)| setup.bodies[*body].is_movable() && *distance > allowed(*body));
+    found.map(|(_, _, reaches)| reaches).collect()
+}
+
+/// Returns the bodies that reach through a side of the background with a prescribed velocity, each with its index, the
+/// distance and a description. Bodies may reach through planes of symmetry and open sides.
+fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length: &str) -> Vec<(usize, f64, String)> {
     let Some(fluid) = &setup.fluid else { return Vec::new() };
     let background = &fluid.background;
     let boundary = background.boundary();
@@ -237,7 +258,7 @@ fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length
         matches!(condition, Some((_, FluidBoundary::NoSlip | FluidBoundary::Velocity(_))))
     };
     let mut lines = Vec::new();
-    for (body, points) in setup.bodies.iter().zip(positions) {
+    for (index_of_body, (body, points)) in setup.bodies.iter().zip(positions).enumerate() {
         let mut farthest: BTreeMap<Tag, (f64, &Point<D>)> = BTreeMap::new();
         for x in points.iter().filter(|x| background.cell_index().locate(x).is_none()) {
             let Some(nearest) = index.closest(x) else { continue };
@@ -253,11 +274,11 @@ fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length
         }
         lines.extend(farthest.iter().map(|(side, (distance, x))| {
             let place: Vec<f64> = x.iter().map(|x| rounded(*x)).collect();
-            format!(
-                "warning: body {} reaches {distance:.3e} {length} through side {} of the background, to {place:?}: the part outside is in no fluid",
-                body.name(),
-                background.tag_names()[side.index()]
-            )
+            let (name, side) = (body.name(), &background.tag_names()[side.index()]);
+            let reaches = format!(
+                "body {name} reaches {distance:.3e} {length} through side {side} of the background, to {place:?}"
+            );
+            (index_of_body, *distance, reaches)
         }));
     }
     lines

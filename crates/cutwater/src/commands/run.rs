@@ -263,6 +263,12 @@ fn print_summary(summary: &Summary, directory: &str, print_line: &mut dyn FnMut(
 /// Returns the warnings about the results of a run.
 fn warnings(summary: &Summary) -> Vec<String> {
     let mut lines: Vec<String> = overlap(summary).into_iter().collect();
+    let outside = summary.outside.iter();
+    lines.extend(outside.map(|reaches| {
+        format!(
+            "warning: at the end {reaches}: walls hold bodies only by contact; define one with the wall as its obstacle"
+        )
+    }));
     if let Some(generated) = summary.energy_generated.filter(|generated| *generated > MUCH_ENERGY) {
         lines.push(format!(
             "warning: steps generated energy, in all {:.0} % of the largest energy of the run: results depend on the step; halve it, first with \

@@ -1,7 +1,7 @@
 //! Probes of a scenario: quantities that it defines by name.
 
 use mesh::search::SurfaceIndex;
-use mesh::{Aabb, FacetId, Placed, Point, Vector};
+use mesh::{FacetId, Placed, Point, Vector, diameter};
 use solver::body::Body;
 use solver::{FluidSetup, Setup};
 
@@ -9,7 +9,7 @@ use super::error::{ErrorKind, ScenarioError, sorted};
 use super::key::Quantity;
 use super::table::{At, Components, Named, choices};
 use super::units::Units;
-use crate::probes::{Measured, Probe, ProbeLine, Probes};
+use crate::probes::{Measured, Probe, ProbeLine, Probes, section_points};
 
 choices! {
     /// Quantity that is measured in each step, with columns in `probes.csv`.
@@ -94,22 +94,34 @@ pub(super) fn probes<const D: usize>(
             let index = setup.bodies.iter().position(|other| other.name() == body.as_str());
             index.ok_or_else(|| body.at.unknown("body", body, setup.bodies.iter().map(|body| body.name())))
         };
-        let inside = |points: &[Point<D>]| {
-            let domain = fluid.map(|fluid| Aabb::of_points(fluid.background.vertices()));
-            let is_outside = domain.is_some_and(|domain| !domain.overlaps(&Aabb::of_points(points)));
-            let first = points.first().map(Point::as_slice).unwrap_or_default();
-            let problem = || probe.at.invalid(format!("the probe at {first:?} is outside the background; move it"));
-            if is_outside { Err(problem()) } else { Ok(()) }
+        let inside = |points: &mut dyn ExactSizeIterator<Item = Point<D>>, warnings: &mut Vec<String>| {
+            let Some(fluid) = fluid else { return Ok(()) };
+            let n_points = points.len();
+            let outside: Vec<_> = points.filter(|x| fluid.background.cell_index().locate(x).is_none()).collect();
+            let Some(first) = outside.first().map(Point::as_slice) else { return Ok(()) };
+            if outside.len() == n_points {
+                return Err(probe.at.invalid(format!("the probe at {first:?} is outside the background; move it")));
+            }
+            warnings.push(format!(
+                "warning: {} of {n_points} points of probe {name} are outside the background, the first at {first:?}: it \
+                 measures the others only",
+                outside.len()
+            ));
+            Ok(())
         };
         let no_fluid = || probe.at.error(ErrorKind::NoEffect("a scenario without a fluid"));
         let measured = match &**probe {
             ProbeChoice::Point { at } => {
                 fluid.ok_or_else(no_fluid)?;
-                inside(&[at.vector()])?;
+                inside(&mut [at.vector()].into_iter(), &mut found.warnings)?;
                 Measured::Point { at: at.vector() }
             }
-            ProbeChoice::Marker { body, at } => marker(&*setup.bodies[find(body)?], find(body)?, &at.vector())
-                .ok_or_else(|| probe.at.invalid("the surface of this body has no point; check its shape"))?,
+            ProbeChoice::Marker { body, at } => {
+                let (marker, warning) = marker(name, &*setup.bodies[find(body)?], find(body)?, &at.vector())
+                    .ok_or_else(|| probe.at.invalid("the surface of this body has no point; check its shape"))?;
+                found.warnings.extend(warning);
+                marker
+            }
             ProbeChoice::Force { body, parts, about } => {
                 fluid.ok_or_else(no_fluid)?;
                 let index = find(body)?;
@@ -139,9 +151,7 @@ pub(super) fn probes<const D: usize>(
                     return Err(points.at.invalid(format!("{message}; give at most {most:.0}")));
                 }
                 let corner: Point<D> = corner.vector();
-                let ends = vectors.iter().map(|side| corner + side);
-                let opposite = corner + vectors.iter().sum::<Vector<D>>();
-                inside(&ends.chain([corner, opposite]).collect::<Vec<_>>())?;
+                inside(&mut section_points(corner, &vectors, **points), &mut found.warnings)?;
                 Measured::Flux { corner, sides: vectors, normal, n: **points }
             }
             ProbeChoice::StrainEnergy { body } => {
@@ -156,13 +166,14 @@ pub(super) fn probes<const D: usize>(
             }
             ProbeChoice::Line { from, to, points } => {
                 fluid.ok_or_else(no_fluid)?;
-                inside(&[from.vector(), to.vector()])?;
                 if from.vector::<D>() == to.vector::<D>() {
                     return Err(probe
                         .at
                         .invalid("the ends of this line are one point; measure it by the kind `point`"));
                 }
-                found.lines.push(ProbeLine { name: name.clone(), ends: [from.vector(), to.vector()], n: *points });
+                let line = ProbeLine { name: name.clone(), ends: [from.vector(), to.vector()], n: *points };
+                inside(&mut line.points(), &mut found.warnings)?;
+                found.lines.push(line);
                 continue;
             }
         };
@@ -195,11 +206,26 @@ fn sides<const D: usize>(fluid: &FluidSetup<D>, parts: &At<Vec<At<String>>>) -> 
     }
 }
 
-/// Returns the marker at the point of a surface nearest to a position.
-fn marker<const D: usize>(body: &dyn Body<D>, index: usize, at: &Point<D>) -> Option<Measured<D>> {
-    let nearest = SurfaceIndex::new(&Placed::new(body.surface(), body.reference())).closest(at)?;
+/// Returns the marker at the point of a surface nearest to a position, and a warning if the position is farther from it
+/// than the facet is large: then it is not on the surface that the facets approximate.
+fn marker<const D: usize>(
+    name: &str,
+    body: &dyn Body<D>,
+    index: usize,
+    at: &Point<D>,
+) -> Option<(Measured<D>, Option<String>)> {
+    let surface = Placed::new(body.surface(), body.reference());
+    let nearest = SurfaceIndex::new(&surface).closest(at)?;
+    let distance = (at - nearest.point).norm();
+    let warning = (distance > diameter(&surface.facet_points(nearest.facet)[..D])).then(|| {
+        format!(
+            "warning: marker {name} is {distance:.3e} away from the surface of body {}: it follows the nearest point, {:?}",
+            body.name(),
+            nearest.point.as_slice()
+        )
+    });
     let weights = body.surface().facet(nearest.facet).iter().copied().zip(nearest.barycentric).collect();
-    Some(Measured::Marker { body: index, weights })
+    Some((Measured::Marker { body: index, weights }, warning))
 }
 
 /// Returns, for each facet of a body, whether it belongs to one of the parts. Without parts all facets do.

@@ -239,6 +239,37 @@ boundary = { left = "symmetry" }
 }
 
 #[test]
+fn probes_outside_of_the_background_are_warnings_or_errors() {
+    let warnings = |text: &str, sets: &[&str]| -> Vec<String> {
+        let lines = io::sizes(&legal(text, &[sets])).expect("sizes").lines;
+        lines.into_iter().filter(|line| line.starts_with("warning")).collect()
+    };
+    let found = warnings(&flow(), &["output.probes.through.sides=[[0.0, 2.0]]"]);
+    assert_eq!(found.len(), 2, "{found:#?}");
+    assert!(found[0].contains("1 of 6 points of probe along are outside the background, the first at [2.5, 0.5]"));
+    assert!(found[1].contains("100 of 200 points of probe through"), "{found:#?}");
+    refused(
+        &flow(),
+        &[&["output.probes.middle.at=[2.1, 0.5]"]],
+        &["output.probes.middle", "is outside the background"],
+    );
+    refused(&flow(), &[&["output.probes.through.corner=[2.1, 0.0]"]], &["output.probes.through", "outside"]);
+    // A square with a hole.
+    let sides = (1..=4).map(|side| format!("side-{side} = \"no-slip\"")).collect::<Vec<_>>().join(", ");
+    let holed = format!(
+        "background={{ kind = \"polygon\", corners = [[0, 0], [1, 0], [1, 1], [0, 1]], holes = [[[0.4, 0.4], [0.6, 0.4], [0.6, 0.6], [0.4, 0.6]]], size = 0.2, boundary = {{ {sides}, hole-1 = \"no-slip\" }} }}"
+    );
+    let probe = |at| format!("output.probes={{ middle = {{ kind = \"point\", at = {at} }} }}");
+    refused(&flow(), &[&[&holed, &probe("[0.5, 0.5]")]], &["output.probes.middle", "is outside the background"]);
+    legal(&flow(), &[&[&holed, &probe("[0.5, 0.7]")]]);
+    let marker =
+        |x: f64| format!("output.probes={{ tip = {{ kind = \"marker\", body = \"cylinder\", at = [{x}, 0.2] }} }}");
+    assert_eq!(warnings(CHANNEL, &[&marker(0.255)]), [""; 0]);
+    let far = warnings(CHANNEL, &[&marker(9.0)]);
+    assert!(far[0].contains("marker tip is 8.75") && far[0].contains("away from the surface of body cylinder"));
+}
+
+#[test]
 fn markers_and_forces_follow_a_body() {
     let directory = fresh_directory("cylinder");
     let sets = [

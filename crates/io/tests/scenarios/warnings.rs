@@ -83,13 +83,18 @@ fn weights_and_buoyancies_are_those_of_disks() {
         assert!(lines.iter().any(|found| found == line), "{line}: {lines:#?}");
     }
     assert!(!lines.iter().any(|line| line.starts_with("warning")), "{lines:#?}");
-    // A gravity that depends on the time has the weight of the start.
     let weight = lines.iter().find(|line| line.starts_with("body soft: mass"));
-    for gravity in ["[0, \"-10\"]", "[0, \"-10*cos(t)\"]"] {
-        let varied = self::lines(DISKS, &[&format!("body.0.gravity={gravity}")]);
-        assert!(weight.is_some_and(|weight| varied.contains(weight)), "{varied:#?}");
-        assert!(!varied.iter().any(|line| line.starts_with("warning")), "{varied:#?}");
-    }
+    let formula = self::lines(DISKS, &["body.0.gravity=[0, \"-10\"]"]);
+    assert!(weight.is_some_and(|weight| formula.contains(weight)), "{formula:#?}");
+    // Forces that rise are also given for the end.
+    let mut ramped = vec!["body.0.gravity=[0, \"-200*t\"]", "body.1.gravity=[0, \"-200*t\"]"];
+    ramped.push("fluid.body_force=[0, \"-2e5*t\"]");
+    let found = self::lines(DISKS, &ramped);
+    let weight = "weight [0.0, 0.0] N/m at the start and [0.0, -471.2] N/m at the end, buoyancy [0.0, 0.0] N/m at the start and [0.0, 314.2] N/m at the end";
+    assert!(found.iter().any(|line| line.ends_with(weight)), "{found:#?}");
+    assert!(!found.iter().any(|line| line.starts_with("warning")), "{found:#?}");
+    ramped[1] = "body.1.gravity=[0, \"-2*t\"]";
+    assert!(warning(DISKS, &ramped).contains("at t = 0.05 `fluid.body_force` is [0.0, -10000.0] at body stone"));
 }
 
 #[test]
@@ -295,4 +300,45 @@ fn pressures_of_sides_are_compared_with_the_stiffness_of_bodies() {
     // Without a traction or a body force that is not zero there is no line.
     let weightless = DISKS.replace("[0.0, -10000.0]", "[0.0, 0.0]");
     assert!(!lines(&weightless, &[]).iter().any(|line| line.contains("pressure")));
+}
+
+#[test]
+fn a_body_that_ends_in_a_wall_is_reported() {
+    let text = r#"
+name      = "sink"
+dimension = 2
+units     = "cgs"
+time      = { step = 0.01, end = 0.06, scheme = "implicit-euler" }
+fluid     = { density = 1.0, viscosity = 0.1, body_force = [0.0, -981.0] }
+
+[background]
+kind     = "graded-box"
+min      = [0.0, 0.0]
+max      = [2.0, 2.0]
+size     = 0.25
+boundary = { left = "no-slip", right = "no-slip", bottom = "no-slip", top = "free" }
+
+[[body]]
+name    = "disk"
+shape   = { kind = "ball", centre = [1.0, 0.5], radius = 0.3, size = 0.1, area_preserving = true }
+motion  = { kind = "free" }
+density = 3.0
+gravity = [0.0, -981.0]
+
+[output]
+vtk_every = 0
+"#;
+    let outside = |text: &str| results(&legal(text, &[]), &fresh_directory("sink")).outside;
+    let found = outside(text);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].starts_with("body disk reaches ") && found[0].contains("through side bottom"), "{found:?}");
+    let contact = r#"
+[contact]
+body     = "disk"
+obstacle = { kind = "wall", parts = ["bottom"] }
+law      = { kind = "penalty", gamma_contact_0 = 1.0e5 }
+size     = 0.1
+offset   = 0.05
+"#;
+    assert_eq!(outside(&format!("{text}{contact}")), [""; 0]);
 }
