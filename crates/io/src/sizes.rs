@@ -136,7 +136,15 @@ impl Sizes {
                 0 => format!("body {name}: {motion}, {extents} {length}, {vertices} vertices on its surface"),
                 _ => {
                     let supports = supports(given);
-                    format!("body {name}: {motion}, {extents} {length}, {cells} cells, {vertices} vertices{supports}")
+                    let is_quadratic = given.order.as_deref().is_some_and(|order| *order > 1);
+                    let each = if is_quadratic {
+                        format!(" ({} in each element)", 1 << scenario.dimension)
+                    } else {
+                        String::new()
+                    };
+                    format!(
+                        "body {name}: {motion}, {extents} {length}, {cells} cells{each}, {vertices} vertices{supports}"
+                    )
                 }
             }
         }));
@@ -179,8 +187,8 @@ fn product(extents: &[f64]) -> String {
 }
 
 /// Describes mass, weight and buoyancy of the bodies at a state. The buoyancy is the body force of the fluid at the
-/// centre of mass times the volume of the elements of an elastic body, or inside the surface of another one. Forces that
-/// differ at the end of the run are given for this time, too.
+/// centre of mass times the volume of the elements of an elastic body, or inside the surface of another one. Forces
+/// that differ at the end of the run are given for this time, too.
 fn weights<const D: usize>(scenario: &Scenario, setup: &Setup<D>, state: &State<D>) -> Vec<String> {
     let unit = |quantity| scenario.units.total_label(quantity, scenario.dimension_of_whole());
     let (mass, force) = (unit(Quantity::MASS), unit(Quantity::FORCE));

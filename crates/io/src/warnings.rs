@@ -105,8 +105,8 @@ fn contacts_in_fluid<const D: usize>(setup: &Setup<D>, length: &str) -> Vec<Stri
     lines
 }
 
-/// Returns warnings about a body force of the fluid that is not its density times the gravity of a body, in the state or
-/// at the end of the run.
+/// Returns warnings about a body force of the fluid that is not its density times the gravity of a body, in the state
+/// or at the end of the run.
 fn body_forces<const D: usize>(setup: &Setup<D>, state: &State<D>, end: f64) -> Vec<String> {
     let Some((fluid, force)) = setup.fluid.as_ref().and_then(|fluid| Some((fluid, fluid.body_force.as_ref()?))) else {
         return Vec::new();

@@ -135,7 +135,7 @@ pub enum Error {
     /// The multipliers of a contact still change after many solves of the step: the parameter of the contact is small
     /// for the stiffness of its bodies (take a larger one), or the body does not fit between its obstacles.
     #[error(
-        "the multipliers of contact {contact} still change by {change:e} after {solves} solves, and {accepted:e} is accepted; {}",
+        "the multipliers of contact {contact} still change by {change:.3e} after {solves} solves, and {accepted:.3e}, a force per area, is accepted; {}",
         remedy(*ratio)
     )]
     Multipliers {

@@ -193,8 +193,11 @@ impl Console {
         let gap = at.smallest_gap.filter(|gap| at.d_min != Some(*gap));
         let gap = gap.map_or(String::new(), |gap| format!(", smallest gap {gap:.3e} {length}"));
         let contact = if at.in_contact { ", contact" } else { "" };
-        let message =
-            format!("t = {:.4} {time}{distance}{gap}{contact}, {} Newton iterations", at.time, at.newton_iterations);
+        let message = format!(
+            "t = {} {time}{distance}{gap}{contact}, {} Newton iterations",
+            shown(at.time),
+            at.newton_iterations
+        );
         if at.is_divided {
             let cause = at.failure.as_deref().unwrap_or("bodies are close to each other (`time.approach`)");
             let line = format!("step {} was divided into substeps: {cause}", at.step);
@@ -230,11 +233,12 @@ impl Console {
     }
 }
 
-/// Formats a number with four digits after the decimal point, or with an exponent if its size is below 1e-3 or above
-/// 1e6.
+/// Formats a number with at least four digits after the decimal point and four in all, or with an exponent if its size
+/// is below 1e-3 or above 1e6.
 fn shown(value: f64) -> String {
     let is_plain = value == 0.0 || (1e-3..1e6).contains(&value.abs());
-    if is_plain { format!("{value:.4}") } else { format!("{value:.3e}") }
+    let decimals = if (1e-3..0.1).contains(&value.abs()) { 6 } else { 4 };
+    if is_plain { format!("{value:.decimals$}") } else { format!("{value:.3e}") }
 }
 
 fn print_summary(summary: &Summary, directory: &str, print_line: &mut dyn FnMut(&str)) {

@@ -97,7 +97,7 @@ fn a_scenario_without_a_fluid_is_checked_run_and_reported() {
     let units = "units={ length = \"mm\", mass = \"g\", time = \"ms\" }";
     let printed = cutwater("run", &["--out", &directory.display().to_string(), "--set", units]);
     assert!(printed.contains("step 3/3") && !printed.contains("stabilisation"), "{printed}");
-    assert!(printed.contains("t = 0.0030 ms, d_min") && printed.contains(" mm,"), "{printed}");
+    assert!(printed.contains("t = 0.003000 ms, d_min") && printed.contains(" mm,"), "{printed}");
     let page = std::fs::read_to_string(directory.join("report.html")).expect("a page");
     assert!(page.contains("unknowns, at most") && !page.contains(">stabilisation<"));
     check_picture(&directory);

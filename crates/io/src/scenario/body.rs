@@ -37,7 +37,7 @@ keys! {
         motion: Option<At<MotionChoice>>,
         /// Order of the elements of an elastic body; 1 if left out. Elements of order 2 have nodes on their edges;
         /// those on the edge of a disk lie on its circle. Order 1 is far too stiff in bending with few elements through
-        /// the thickness: a cantilever of two bends by less than half. It is also too stiff if Poisson's ratio is near one half.
+        /// the thickness: a cantilever of two bends by about half of what it should. It is also too stiff if Poisson's ratio is near one half.
         /// Use order 2 for beams, plates and materials that hardly change their volume.
         order: Option<At<usize>> [between(1.0, 2.0)],
         /// Material of an elastic body.
@@ -569,6 +569,10 @@ fn free<const D: usize>(
             return Err(motion.at.invalid("this motion is held twice; take one out"));
         }
         let no_effect = || motion.at.error(ErrorKind::NoEffect("two dimensions"));
+        // With rotational symmetry bodies move along the axis, without rotation.
+        if coordinates.radial().is_some() && **motion != Held::Y {
+            return Err(motion.at.error(ErrorKind::NoEffect("axisymmetric coordinates")));
+        }
         match **motion {
             Held::Rotation => body.holds_rotation = true,
             axis => *body.held_axes.get_mut(axis as usize).ok_or_else(no_effect)? = true,

@@ -183,7 +183,10 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
                 let slaves = if **name == ALL { self.movable().collect() } else { vec![self.find(name)?] };
                 slaves.into_iter().map(|slave| self.with_obstacle(given, slave, obstacle)).collect()
             }
-            (None, None, None) => Err(missing(&given.at, ContactKeys::KEYS, "pairs")),
+            (None, None, None) if given.obstacle.is_some() => Err(missing(&given.at, ContactKeys::KEYS, "body")),
+            (None, None, None) => Err(given.at.invalid(
+                "no bodies are named; add `pairs = \"all\"`, `pair = [\"NAME\", \"NAME\"]`, or `body` and `obstacle`",
+            )),
             _ => Err(given.at.invalid("give one of pairs, pair, and body with its obstacle")),
         }
     }

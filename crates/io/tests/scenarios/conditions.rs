@@ -405,6 +405,10 @@ fn axisymmetric_rigid_bodies_move_along_the_axis_only() {
         refused(&text, &[], &["body.0.motion", "along the axis only"]);
     };
     motion("{ kind = \"free\", initial_spin = 3.0 }");
+    for held in ["x", "rotation"] {
+        let text = SPHERE.replace("{ kind = \"free\" }", &format!("{{ kind = \"free\", held = [\"{held}\"] }}"));
+        refused(&text, &[], &["body.0.motion.held.0", "no effect with axisymmetric coordinates"]);
+    }
     motion("{ kind = \"free\", guided = { until = 0.1, velocity = [\"2\", \"0\"] } }");
     let given = |given: &str| {
         let text = SPHERE.replace("motion  = { kind = \"free\" }", &format!("motion = {given}"));

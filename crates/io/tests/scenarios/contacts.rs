@@ -101,7 +101,8 @@ fn roles_and_contacts_that_act_at_once_are_described() {
 
 #[test]
 fn contacts_that_make_no_sense_are_refused() {
-    refuse("", &["contact.0", "`pairs` is missing"]);
+    refuse("", &["contact.0", "no bodies are named; add `pairs = \"all\"`"]);
+    refuse("obstacle = { kind = \"wall\", parts = [\"bottom\"] }", &["contact.0", "`body` is missing"]);
     refuse("pairs = \"all\"\npair = [\"soft\", \"fine\"]", &["contact.0", "give one of pairs, pair"]);
     refuse("pairs = \"some\"", &["contact.0.pairs", "unknown value `some`"]);
     refuse("pair = [\"soft\"]", &["contact.0.pair", "1 names"]);
