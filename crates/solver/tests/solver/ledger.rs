@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use crate::fixture::*;
 use solid_svk::Load;
-use solver::algebra::Workspace;
-use solver::algebra::time::GeneralisedAlpha;
-use solver::mesh::generate::structured_box;
-use solver::{FluidBoundary, Ledger, Setup, Stabilisation, State, StepReport, Substep, advance};
+use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, TimeScheme};
+use solver::algebra::{NewtonSettings, Workspace};
+use solver::contact::{CollisionLaw, ContactForm};
+use solver::mesh::BodyId;
+use solver::mesh::generate::{Size, graded_box, structured_box};
+use solver::{Contact, FluidBoundary, Ledger, Setup, Stabilisation, State, StepReport, Substep, advance};
 
 /// Checks that every step closes to ten times the tolerance of Newton's method, relative to the largest energy or
 /// change.
@@ -84,6 +86,32 @@ fn a_ball_of_quadratic_elements_that_hits_the_ground_in_a_fluid() {
         let (_, reports) = run(&setup, 16);
         assert!(reports.iter().any(|report| report.contacts[0].is_active()));
         check_closed(&setup, &reports);
+    }
+}
+
+/// Its step is solved again to a smaller tolerance, and the ledger is that of the second solution.
+#[test]
+fn a_disk_that_collides_with_the_ground_in_a_fluid() {
+    for scheme in
+        [Arc::new(ImplicitEuler) as Arc<dyn TimeScheme>, Arc::new(GeneralisedAlpha::new(0.5).expect("a radius"))]
+    {
+        let background = graded_box::<2>([0.0, 0.0], [2.0, 2.0], &Size::uniform(0.15)).expect("a box");
+        let mut setup = setup(fluid(background, 1.0, 0.05), 5e-3);
+        (setup.scheme, setup.newton) = (scheme, NewtonSettings::new(1e-4));
+        on_sides(&mut setup, &["bottom", "left", "right"], || FluidBoundary::NoSlip);
+        on_sides(&mut setup, &["top"], || FluidBoundary::Open { traction: None, backflow: true });
+        let mut disk = rigid("disk", &disk([1.0, 0.5], 0.4, 0.1), 4.0, V::new(0.0, -10.0));
+        disk.initial_velocity = V::new(0.0, -2.0);
+        setup.bodies.push(Arc::new(disk));
+        let form = ContactForm::new(CollisionLaw::new(0.8, 0.06).expect("a law"), 0.1).expect("a contact");
+        let facets = setup.bodies[0].surface().facets().collect();
+        setup.contacts.push(Contact::new(&setup.bodies, BodyId(0), facets, form, ground()).expect("a contact"));
+        let (_, reports) = run(&setup, 12);
+        assert!(reports.iter().any(|report| report.contacts[0].is_active()));
+        check_closed(&setup, &reports);
+        let energy = reports.iter().map(|report| report.total_energy().abs()).fold(0.0, f64::max);
+        // All terms are lines: round-off, which the weight of a collision amplifies.
+        reports.iter().for_each(|report| assert!(report.ledger.other.abs() < 1e-8 * energy, "{}", report.ledger.other));
     }
 }
 
