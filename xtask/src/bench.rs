@@ -63,7 +63,7 @@ fn criterion(group: &str, filter: Option<&str>) -> Command {
 }
 
 /// Result of one benchmark.
-struct Measured {
+struct BenchResult {
     /// Median time.
     seconds: f64,
     /// Cells or pieces per iteration.
@@ -84,7 +84,7 @@ enum Effort {
 fn measure<'a>(
     home: &Path,
     groups: impl Iterator<Item = (&'a str, Option<&'a str>, Effort)>,
-) -> io::Result<Option<BTreeMap<String, Measured>>> {
+) -> io::Result<Option<BTreeMap<String, BenchResult>>> {
     if home.exists() {
         fs::remove_dir_all(home)?;
     }
@@ -105,7 +105,7 @@ fn measure<'a>(
 }
 
 /// Reads all results below a folder.
-fn collect(folder: &Path, measured: &mut BTreeMap<String, Measured>) -> io::Result<()> {
+fn collect(folder: &Path, measured: &mut BTreeMap<String, BenchResult>) -> io::Result<()> {
     if !folder.is_dir() {
         return Ok(());
     }
@@ -124,7 +124,7 @@ fn collect(folder: &Path, measured: &mut BTreeMap<String, Measured>) -> io::Resu
             (benchmark["full_id"].as_str(), estimates["median"]["point_estimate"].as_f64())
         {
             let elements = benchmark["throughput"]["Elements"].as_f64();
-            measured.insert(id.to_owned(), Measured { seconds: 1e-9 * nanoseconds, elements });
+            measured.insert(id.to_owned(), BenchResult { seconds: 1e-9 * nanoseconds, elements });
         }
     }
     Ok(())

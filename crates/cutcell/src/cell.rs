@@ -2,7 +2,7 @@
 
 use mesh::{CellId, FacetId};
 
-use crate::clip::{Points, Polygon, Polygons, Polytopes, Side};
+use crate::clip::{FacePoints, Polygon, Polygons, Polytopes, Side};
 use crate::cutting::Cutting;
 use crate::exact::{End, Plane, Planes, crossing};
 use crate::surface::FacetPoint;
@@ -334,7 +334,7 @@ impl<const D: usize> CellCut<D> {
         planes: &Planes<'_, D>,
         plane: Plane,
         sides: impl Iterator<Item = Side<D>>,
-        mut visit: impl FnMut(Points<D>, Option<u32>),
+        mut visit: impl FnMut(FacePoints<D>, Option<u32>),
     ) {
         let Self { tree, polygons, labels, .. } = self;
         let polygon = polygons.push(plane, sides);
@@ -350,7 +350,7 @@ impl<const D: usize> CellCut<D> {
     }
 
     /// Returns the pieces of facets in front of which the fluid is left out.
-    pub(crate) fn thin(&self) -> impl Iterator<Item = (u32, Points<D>)> {
+    pub(crate) fn thin(&self) -> impl Iterator<Item = (u32, FacePoints<D>)> {
         self.thin.iter().map(|wet| (wet.facet, self.polygons.points(wet.polygon)))
     }
 }

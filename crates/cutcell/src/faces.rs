@@ -3,7 +3,7 @@
 use mesh::{CellId, FacetId, Point, Vector, simplex_measure};
 
 use crate::cell::{CellCut, FaceView, Kept};
-use crate::clip::{Points, face_difference, face_overlap};
+use crate::clip::{FacePoints, face_difference, face_overlap};
 use crate::cut_mesh::{for_each_face_simplex, measure};
 use crate::cutting::Cutting;
 use crate::exact::Plane;
@@ -111,7 +111,7 @@ impl<'a, const D: usize> Faces<'a, D> {
                 let first_part = cut.cell_to_part[cell.index()];
                 for (leaf, face) in side.faces(Plane::mesh(facet)) {
                     if let Some(part) = side.fluid_part(leaf) {
-                        let polygon: Points<D> = face.map(|side| side.corner.x).collect();
+                        let polygon: FacePoints<D> = face.map(|side| side.corner.x).collect();
                         add_wet_boundary(cut, facet, PartId(first_part + part), &polygon);
                     }
                 }
@@ -126,7 +126,7 @@ impl<'a, const D: usize> Faces<'a, D> {
         let first_parts = cells.map(|cell| cut.cell_to_part[cell.index()]);
         let plane = Plane::mesh(facet);
         let [first, second] = sides;
-        let mut pairs: Vec<([Option<PartId>; 2], Points<D>)> = Vec::new();
+        let mut pairs: Vec<([Option<PartId>; 2], FacePoints<D>)> = Vec::new();
         for (leaf, face) in first.faces(plane) {
             let part = first.fluid_part(leaf).map(|part| PartId(first_parts[0] + part));
             second.locate(&self.cutting.planes, plane, face, |polygon, other| {
@@ -169,7 +169,7 @@ impl<'a, const D: usize> Faces<'a, D> {
         aligned.sort_unstable();
         aligned.dedup();
         aligned.retain(|&f| planes.lies_on(f, Plane::mesh(face.facet)));
-        let on_face = aligned.iter().map(|&f| (f, Points::from_slice(planes.facets[f as usize].points())));
+        let on_face = aligned.iter().map(|&f| (f, FacePoints::from_slice(planes.facets[f as usize].points())));
         let candidates = on_face.chain(beyond.thin());
         let mut rest = vec![polygon.to_vec()];
         let mut overlap = Vec::new();

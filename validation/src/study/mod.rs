@@ -228,10 +228,10 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<StudyRun>]) -> Record
 const LARGEST_UNCERTAINTY: f64 = 3.0;
 
 /// A quantity of a run with its name, which has marks of units.
-type Quantity = (&'static str, fn(&StudyRun) -> Option<f64>);
+type StudyQuantity = (&'static str, fn(&StudyRun) -> Option<f64>);
 
 /// Quantities whose limits are computed; a required order holds for all but the first.
-const QUANTITIES: [Quantity; 4] = [
+const QUANTITIES: [StudyQuantity; 4] = [
     ("contact [s]", |run| run.arrival_time),
     ("speed after release [<velocity>]", |run| Some(run.rebound?.speed)),
     ("fastest [<velocity>]", |run| Some(run.rebound?.fastest)),

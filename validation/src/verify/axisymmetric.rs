@@ -15,7 +15,7 @@ use cutwater::solver::{ConvectionForm, FluidBoundary, Setup, StepReport};
 use super::dry::{self, Elastic, Scheme, elastic, pushed, second_order};
 use super::flow::{Errors, Flow, KnownFlow, boundary, fluid, fluid_mut, force, problem};
 use super::mode::frequency_of;
-use super::orders::{Measured, ORDERS, in_space};
+use super::orders::{MeasuredErrors, ORDERS, in_space};
 use super::signal::passage;
 use super::{DirectRun, Failure, P, Record, T, V};
 
@@ -186,13 +186,13 @@ fn known_flow<F: Flow>(known: &KnownFlow<F>, n: usize) -> Result<(Errors, f64), 
     Ok((known.errors(&run.setup, &run.state)?, force))
 }
 
-fn stokes(n: usize) -> Result<Measured, Failure> {
+fn stokes(n: usize) -> Result<MeasuredErrors, Failure> {
     let known = KnownFlow { flow: Arc::new(Stokes), density: 1.0, viscosity: 1.0, convects: false, open: &[] };
     let (errors, force) = known_flow(&known, n)?;
     Ok((errors, Some((force / (-6.0 * PI * RADIUS) - 1.0).abs())))
 }
 
-fn hill(n: usize) -> Result<Measured, Failure> {
+fn hill(n: usize) -> Result<MeasuredErrors, Failure> {
     let (density, viscosity) = (1.0, 0.05);
     let flow = Arc::new(Hill { density, viscosity });
     let (errors, _) = known_flow(&KnownFlow { flow, density, viscosity, convects: true, open: &[] }, n)?;

@@ -11,7 +11,7 @@ use rand_xoshiro::SplitMix64;
 
 use super::flow::{fluid_mut, fluid_of, polygon_of_particles, wet, wet_report};
 use super::linear_flow::{LinearFlow, SIZE, background, nonagon};
-use super::record::{Named, worse};
+use super::record::{NamedNumbers, worse};
 use super::{DirectRun, Failure, P, Record, T, V};
 
 const STEPS: usize = 6;
@@ -124,7 +124,7 @@ fn displaced(corners: Vec<P>, motion: BodyMotion, h: f64) -> Result<SweptErrors,
     Ok(errors)
 }
 
-fn named(name: &str, errors: &SweptErrors) -> Named {
+fn named(name: &str, errors: &SweptErrors) -> NamedNumbers {
     vec![
         (format!("{name}, every step, over its sweep: outflow minus growth of the body"), errors.outflow),
         (format!("{name}, every step, over its sweep: change of the covered area minus sweep"), errors.area),
@@ -132,7 +132,7 @@ fn named(name: &str, errors: &SweptErrors) -> Named {
 }
 
 /// Measures the errors of a body that moves and turns under an open side.
-pub(super) fn open(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
+pub(super) fn open(centre: P, random: &mut SplitMix64) -> Result<NamedNumbers, Failure> {
     let motion = rigid(centre, random);
     Ok(named("body that moves and turns under an open side", &displaced(nonagon(centre, random), motion, SIZE)?))
 }
@@ -159,7 +159,7 @@ fn rigid(about: P, random: &mut SplitMix64) -> BodyMotion {
 }
 
 /// Measures the errors of a body that turns, swells and is sheared under an open side.
-pub(super) fn swelling(about: P, random: &mut SplitMix64) -> Result<Named, Failure> {
+pub(super) fn swelling(about: P, random: &mut SplitMix64) -> Result<NamedNumbers, Failure> {
     let mut entry = || random.random_range(-0.5..0.5);
     let (shear, b) = (T::new(entry(), entry(), entry(), entry()), V::new(entry(), entry()));
     let motion = BodyMotion::Swelling { about, a: shear + T::new(0.6, -1.0, 1.0, 0.6), b };

@@ -17,7 +17,7 @@ use super::flow::{
     self, Flow, KnownFlow, disk, fluid_mut, fluid_of, outside, polygon, rigid_polygon, set_sides, wet, wet_report,
 };
 use super::linear_flow::{LinearFlow, SIZE, background, nonagon};
-use super::record::{Named, worse};
+use super::record::{NamedNumbers, worse};
 use super::{Failure, P, Record, T, V};
 
 /// Largest error of a solved system that is round-off.
@@ -26,10 +26,10 @@ const ROUND_OFF: f64 = 1e-9;
 const POSITIONS: [usize; 2] = [3, 20];
 
 /// A problem with bodies at a random place.
-type Problem = fn(P, &mut SplitMix64) -> Result<Named, Failure>;
+type RandomProblem = fn(P, &mut SplitMix64) -> Result<NamedNumbers, Failure>;
 
 /// Problems with the seeds of their random numbers.
-const PROBLEMS: [(u64, Problem); 12] = [
+const PROBLEMS: [(u64, RandomProblem); 12] = [
     (1, hydrostatic),
     (2, uniform_pressure),
     (3, |at, random| linear(at, random, "linear flow", false)),
@@ -49,7 +49,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let n = POSITIONS[usize::from(record.full)];
     for (seed, problem) in PROBLEMS {
         let mut random = SplitMix64::seed_from_u64(seed);
-        let mut largest = Named::new();
+        let mut largest = NamedNumbers::new();
         for _ in 0..n {
             let centre = P::new(random.random_range(0.8..1.2), random.random_range(0.65..0.85));
             let errors = problem(centre, &mut random)?;
@@ -73,7 +73,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 }
 
 /// Returns errors with the names of the problem and of its quantities.
-fn named<const N: usize>(problem: &str, errors: [(&str, f64); N]) -> Named {
+fn named<const N: usize>(problem: &str, errors: [(&str, f64); N]) -> NamedNumbers {
     errors.map(|(quantity, error)| (format!("{problem}: {quantity}"), error)).into()
 }
 
@@ -94,7 +94,7 @@ fn area(corners: &[P]) -> f64 {
     0.5 * corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
 }
 
-fn hydrostatic(centre: P, _: &mut SplitMix64) -> Result<Named, Failure> {
+fn hydrostatic(centre: P, _: &mut SplitMix64) -> Result<NamedNumbers, Failure> {
     let g = V::new(0.0, -2.5);
     let known = LinearFlow::at_rest(g).known(0.1, &["top"]);
     let mut setup = known.setup(background(SIZE)?, 0.05);
@@ -112,7 +112,7 @@ fn hydrostatic(centre: P, _: &mut SplitMix64) -> Result<Named, Failure> {
 }
 
 /// Measures the errors for a free body of the density of the fluid under gravity, which the pressure carries.
-fn neutral(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
+fn neutral(centre: P, random: &mut SplitMix64) -> Result<NamedNumbers, Failure> {
     let g = V::new(0.4, -2.5);
     let known = LinearFlow::at_rest(g).known(0.1, &["top"]);
     let mut setup = known.setup(background(SIZE)?, 0.05);
@@ -128,7 +128,7 @@ fn neutral(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
 
 /// Measures the errors for fluid that turns as a rigid body, and for a free body of any shape that turns in it about
 /// its centre of mass.
-fn turning(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
+fn turning(centre: P, random: &mut SplitMix64) -> Result<NamedNumbers, Failure> {
     let spin = 1.3;
     let mut body = rigid_polygon(nonagon(centre, random), 0.8, V::zeros())?;
     body.initial_spin[0] = spin;
@@ -146,7 +146,7 @@ fn turning(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
     Ok(errors)
 }
 
-fn uniform_pressure(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
+fn uniform_pressure(centre: P, random: &mut SplitMix64) -> Result<NamedNumbers, Failure> {
     let known = LinearFlow::at_rest(V::zeros()).known(0.1, &["right", "top"]);
     let mut setup = known.setup(background(SIZE)?, 0.05);
     setup.bodies.push(polygon(&[nonagon(centre, random)], |x, _| *x, Arc::new(|_, _| V::zeros())));
@@ -159,7 +159,7 @@ fn uniform_pressure(centre: P, random: &mut SplitMix64) -> Result<Named, Failure
     ))
 }
 
-fn linear(centre: P, random: &mut SplitMix64, name: &str, moves: bool) -> Result<Named, Failure> {
+fn linear(centre: P, random: &mut SplitMix64, name: &str, moves: bool) -> Result<NamedNumbers, Failure> {
     let mut entry = || random.random_range(-1.0..1.0);
     let (a, b, c) = (entry(), entry(), entry());
     let linear = LinearFlow {
@@ -181,7 +181,7 @@ fn linear(centre: P, random: &mut SplitMix64, name: &str, moves: bool) -> Result
 
 /// Measures the errors for fluid between a disk and a ring that turn with the same angular velocity. The velocity is
 /// linear, and no moment acts.
-fn annulus(centre: P, _: &mut SplitMix64) -> Result<Named, Failure> {
+fn annulus(centre: P, _: &mut SplitMix64) -> Result<NamedNumbers, Failure> {
     let turn = T::new(0.0, -1.3, 1.3, 0.0);
     let linear = LinearFlow { a: turn, b: -(turn * centre), g: V::zeros(), p: 0.0, density: 1.0, convects: false };
     let known = linear.known(0.7, &[]);
@@ -214,7 +214,7 @@ fn elastic_disk(
 const MU: f64 = 2e3;
 const LAMBDA: f64 = 8e3;
 
-fn translation(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
+fn translation(centre: P, random: &mut SplitMix64) -> Result<NamedNumbers, Failure> {
     let u = V::new(random.random_range(-1.0..1.0), random.random_range(-1.0..1.0));
     let linear = LinearFlow { b: u, p: 0.0, ..LinearFlow::at_rest(V::zeros()) };
     let known = linear.known(0.05, &["top"]);
@@ -231,7 +231,7 @@ fn translation(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
 }
 
 /// Measures the errors for a disk `x = s X` that with `(λ + μ)(s² - 1) = -p` balances the pressure p.
-fn pressurised_disk(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
+fn pressurised_disk(centre: P, random: &mut SplitMix64) -> Result<NamedNumbers, Failure> {
     let pressure = random.random_range(1.0..100.0);
     let scale = (1.0 - pressure / (LAMBDA + MU)).sqrt();
     let known = LinearFlow::at_rest(V::zeros()).known(0.1, &[]);
@@ -251,7 +251,7 @@ fn pressurised_disk(centre: P, random: &mut SplitMix64) -> Result<Named, Failure
 
 /// Measures the errors for fluid enclosed by a ring, whose pressure has mean zero, and for fluid outside with an open
 /// side.
-fn pocket(centre: P, _: &mut SplitMix64) -> Result<Named, Failure> {
+fn pocket(centre: P, _: &mut SplitMix64) -> Result<NamedNumbers, Failure> {
     let g = V::new(3.0, -2.0);
     let known = LinearFlow::at_rest(g).known(0.1, &["right"]);
     let mut setup = known.setup(background(SIZE)?, 0.05);

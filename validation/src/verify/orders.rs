@@ -55,14 +55,14 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 }
 
 /// Results on one mesh: the errors, and an optional additional number, such as the relative error of a force.
-pub(super) type Measured = (Errors, Option<f64>);
+pub(super) type MeasuredErrors = (Errors, Option<f64>);
 
 /// Measures the orders in h. Returns the additional numbers with the sizes of their meshes.
 pub(super) fn in_space(
     record: &mut Record,
     name: &str,
     sizes: &[usize],
-    of: impl Fn(usize) -> Result<Measured, Failure>,
+    of: impl Fn(usize) -> Result<MeasuredErrors, Failure>,
 ) -> Result<Vec<(f64, f64)>, Failure> {
     let (mut sequence, mut numbers) = (Sequence::new(), Vec::new());
     for &n in sizes {
@@ -226,13 +226,13 @@ fn hole(centre: P, radius: f64, n: usize) -> Vec<P> {
     disk(centre, radius, (std::f64::consts::TAU * radius * n as f64).round() as usize)
 }
 
-fn steady<F: Flow>(known: &KnownFlow<F>, setup: &Setup<2>) -> Result<Measured, Failure> {
+fn steady<F: Flow>(known: &KnownFlow<F>, setup: &Setup<2>) -> Result<MeasuredErrors, Failure> {
     let (state, _) = flow::run(setup, 1)?;
     Ok((known.errors(setup, &state)?, None))
 }
 
 /// Measures a steady flow past a disk at rest.
-fn past_disk<F: Flow>(known: &KnownFlow<F>, n: usize) -> Result<Measured, Failure> {
+fn past_disk<F: Flow>(known: &KnownFlow<F>, n: usize) -> Result<MeasuredErrors, Failure> {
     let mut setup = known.setup(square(n)?, STEADY);
     setup.bodies.push(polygon(&[hole(centre(), 0.2, n)], |x, _| *x, known.velocity()));
     steady(known, &setup)
@@ -254,7 +254,7 @@ impl Flow for StokesPolynomial {
     }
 }
 
-fn stokes_polynomial(n: usize) -> Result<Measured, Failure> {
+fn stokes_polynomial(n: usize) -> Result<MeasuredErrors, Failure> {
     let flow = Arc::new(StokesPolynomial);
     let known = KnownFlow { flow, density: 1.0, viscosity: 1.0, convects: false, open: &["right"] };
     past_disk(&known, n)
@@ -281,7 +281,7 @@ impl Flow for Kovasznay {
     }
 }
 
-fn kovasznay(n: usize) -> Result<Measured, Failure> {
+fn kovasznay(n: usize) -> Result<MeasuredErrors, Failure> {
     let half = 0.5 * REYNOLDS;
     let flow = Kovasznay { lambda: half - half.hypot(2.0 * PI) };
     let known =
@@ -330,7 +330,7 @@ pub(super) fn couette_setup(n: usize, centre: P) -> Result<(KnownFlow<Couette>, 
     Ok((known, setup))
 }
 
-fn couette(n: usize) -> Result<Measured, Failure> {
+fn couette(n: usize) -> Result<MeasuredErrors, Failure> {
     let (known, setup) = couette_setup(n, centre())?;
     let (state, report) = flow::run(&setup, 1)?;
     let (_, torque) = flow::force(&state, &report, 0, &centre())?;
@@ -366,7 +366,7 @@ impl Flow for DiskVortex {
     }
 }
 
-fn disk_vortex(n: usize) -> Result<Measured, Failure> {
+fn disk_vortex(n: usize) -> Result<MeasuredErrors, Failure> {
     let known = KnownFlow { flow: Arc::new(DiskVortex), density: 1.0, viscosity: 1.0, convects: true, open: &[] };
     let mut setup = known.setup(square(n)?, STEADY);
     // Inscribed in the circle it would be smaller than the disk; that of the same area is in error by h² too.
@@ -419,7 +419,7 @@ fn euler() -> Scheme {
 }
 
 /// Measures the error at time 0.4, past a disk that moves through several cells.
-fn taylor_green(n: usize, dt: f64) -> Result<Measured, Failure> {
+fn taylor_green(n: usize, dt: f64) -> Result<MeasuredErrors, Failure> {
     let (known, setup, state) = taylor_green_past(&euler(), SPEED, VISCOSITY, n, dt)?;
     Ok((known.errors(&setup, &state)?, None))
 }

@@ -29,7 +29,7 @@ impl RecordRow {
 }
 
 /// Numbers with names.
-pub(super) type Named = Vec<(String, f64)>;
+pub(super) type NamedNumbers = Vec<(String, f64)>;
 /// Points of a curve.
 pub(crate) type Points = Vec<(f64, f64)>;
 

@@ -1,7 +1,7 @@
 //! Words of the code that may occur in few files or in none, and the shape of terms.
 
 use super::source::Source;
-use super::tree::{Finding, Tree};
+use super::tree::{Finding, SourceTree};
 
 /// Words with the files and folders in which they may occur, and advice. A line with the word after a
 /// quotation mark is not a finding.
@@ -67,7 +67,7 @@ const LIBRARY_WORDS: &[(&[&str], &[&str], &str)] = &[
 const TERM: &str = "crates/algebra/src/integral.rs";
 
 /// Applies the rules.
-pub(super) fn check(tree: &Tree) -> Vec<Finding> {
+pub(super) fn check(tree: &SourceTree) -> Vec<Finding> {
     let mut findings = Vec::new();
     for source in &tree.rust {
         // The first list applies to tests too, hence to the whole text.

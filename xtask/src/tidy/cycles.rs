@@ -3,13 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::source::{Source, words};
-use super::tree::{Finding, Tree};
+use super::tree::{Finding, SourceTree};
 
 /// Path of a module within its package; empty for the root.
 type Module = Vec<String>;
 
 /// Finds one dependency cycle per package: files that use each other, directly or through others.
-pub(super) fn check(tree: &Tree) -> Vec<Finding> {
+pub(super) fn check(tree: &SourceTree) -> Vec<Finding> {
     let mut packages: BTreeMap<&str, Vec<&Source>> = BTreeMap::new();
     for source in tree.rust.iter().filter(|source| source.is_src()) {
         packages.entry(source.package()).or_default().push(source);

@@ -1,7 +1,7 @@
 //! The space dimension: one const parameter without bounds, with literal values in a few files only.
 
 use super::source::words;
-use super::tree::{Finding, Tree};
+use super::tree::{Finding, SourceTree};
 
 /// Files that may contain a literal dimension outside of tests.
 const LEAVES: &[&str] = &[
@@ -54,7 +54,7 @@ const LIST: &str = "xtask/src/tidy/dimensions.rs";
 const GENERIC: &str = "crates/";
 
 /// Finds bounds on the dimension, second dimension parameters and literal dimensions.
-pub(super) fn check(tree: &Tree) -> Vec<Finding> {
+pub(super) fn check(tree: &SourceTree) -> Vec<Finding> {
     let mut findings = Vec::new();
     for source in tree.rust.iter().filter(|source| source.path.starts_with(GENERIC) && source.is_src()) {
         let code = source.code();

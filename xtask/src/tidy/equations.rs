@@ -1,7 +1,7 @@
 //! Sources of formulas: every term has one, and the page from equations to files is made from them.
 
 use super::source::Source;
-use super::tree::{Finding, Tree};
+use super::tree::{Finding, SourceTree};
 
 /// The generated page.
 pub(super) const PAGE: &str = "docs/src/reference/equations.md";
@@ -24,7 +24,7 @@ const REQUIRED: [(&str, &str); 7] = [
 ];
 
 /// A formula with its source and its file.
-struct Formula {
+struct TermFormula {
     title: String,
     formula: String,
     source: String,
@@ -32,7 +32,7 @@ struct Formula {
 }
 
 /// Finds terms without source, equations without file, and a page that is out of date.
-pub(super) fn check(tree: &Tree) -> Vec<Finding> {
+pub(super) fn check(tree: &SourceTree) -> Vec<Finding> {
     let mut findings = Vec::new();
     for source in formula_files(tree) {
         if source.path.contains("/terms/") && !source.text.contains("/// Source: ") {
@@ -56,14 +56,14 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
 }
 
 /// Returns the text of the page.
-pub(super) fn page(tree: &Tree) -> String {
+pub(super) fn page(tree: &SourceTree) -> String {
     let mut page = String::from(
         "# From equations to files\n\n\
          Made by `cargo xtask tidy --fix` from the `Source:` lines of the code; do not edit.\n\n\
          *The paper* is Formaggia, Gatti, Zonca, MOX-Report 44/2019.\n\n\
          | formula | what | source | file |\n|---|---|---|---|\n",
     );
-    for Formula { title, formula, source, path } in formulas(tree) {
+    for TermFormula { title, formula, source, path } in formulas(tree) {
         let cell = |text: &str| without_links(text).replace('|', "\\|");
         page += &format!("| {} | {} | {} | `{path}` |\n", cell(&formula), cell(&title), cell(&source));
     }
@@ -88,7 +88,7 @@ fn without_links(text: &str) -> String {
     plain
 }
 
-fn formula_files(tree: &Tree) -> impl Iterator<Item = &Source> {
+fn formula_files(tree: &SourceTree) -> impl Iterator<Item = &Source> {
     tree.rust.iter().filter(|source| {
         let is_term = source.is_src() && source.path.contains("/terms/") && !source.path.ends_with("/mod.rs");
         let is_law = LAWS.iter().any(|folder| source.path.starts_with(folder));
@@ -96,12 +96,12 @@ fn formula_files(tree: &Tree) -> impl Iterator<Item = &Source> {
     })
 }
 
-fn formulas(tree: &Tree) -> Vec<Formula> {
+fn formulas(tree: &SourceTree) -> Vec<TermFormula> {
     formula_files(tree).flat_map(of_file).collect()
 }
 
 /// Returns the formulas of the doc comments with a source.
-fn of_file(file: &Source) -> Vec<Formula> {
+fn of_file(file: &Source) -> Vec<TermFormula> {
     let title = file.text.lines().next().and_then(|line| line.strip_prefix("//! ")).unwrap_or_default();
     let title = title.trim_end_matches('.').to_owned();
     let mut formulas = Vec::new();
@@ -118,7 +118,7 @@ fn of_file(file: &Source) -> Vec<Formula> {
     formulas
 }
 
-fn of_comment(comment: &[&str], title: &str, path: &str) -> Option<Formula> {
+fn of_comment(comment: &[&str], title: &str, path: &str) -> Option<TermFormula> {
     let first = comment.iter().position(|line| line.starts_with("Source: "))?;
     let sentence = |lines: &[&str]| lines.join(" ").trim_end_matches('.').to_owned();
     let end = |line: &&str| {
@@ -126,7 +126,7 @@ fn of_comment(comment: &[&str], title: &str, path: &str) -> Option<Formula> {
     };
     let last = comment[first..].iter().position(end).map_or(comment.len(), |n| first + n);
     let formula_end = comment.iter().position(|line| line.is_empty()).unwrap_or(first);
-    Some(Formula {
+    Some(TermFormula {
         title: title.to_owned(),
         formula: sentence(&comment[..formula_end]),
         source: sentence(&comment[first..last]).trim_start_matches("Source: ").to_owned(),

@@ -1,7 +1,7 @@
 //! Small rules: module sentences, sizes of files, numbers in terms, the list of crates; budgets.
 
 use super::source::Source;
-use super::tree::{Finding, Tree};
+use super::tree::{Finding, SourceTree};
 
 /// Largest number of lines of a file.
 const FILE_LINES: usize = 600;
@@ -16,7 +16,7 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/solver/src"], 3_720),
     (&["validation"], 14_220),
     (&["xtask/src"], 2420),
-    (&[""], 85_590),
+    (&[""], 85_620),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;
@@ -30,7 +30,7 @@ const MACHINE_PATHS: &[&str] = &["/home/", "/Users/", "/root/", "/work/"];
 const ARCHITECTURE: &str = "docs/ARCHITECTURE.md";
 
 /// Applies the rules.
-pub(super) fn check(tree: &Tree) -> Vec<Finding> {
+pub(super) fn check(tree: &SourceTree) -> Vec<Finding> {
     let mut findings = Vec::new();
     for source in &tree.rust {
         module_sentence(source, &mut findings);
@@ -106,7 +106,7 @@ fn whitespace_and_paths(source: &Source, findings: &mut Vec<Finding>) {
 }
 
 /// Finds budgets that are exceeded.
-fn budgets(tree: &Tree, findings: &mut Vec<Finding>) {
+fn budgets(tree: &SourceTree, findings: &mut Vec<Finding>) {
     let mut check = |path: &str, n: usize, most: usize, unit: &str| {
         if n > most {
             findings.push(Finding::new(path, 1, format!("{n} {unit}, at most {most}")));
@@ -129,7 +129,7 @@ fn budgets(tree: &Tree, findings: &mut Vec<Finding>) {
 }
 
 /// Checks the length of `advance`, an entry point for readers that must fit on a screen.
-fn step_is_short(tree: &Tree, findings: &mut Vec<Finding>) {
+fn step_is_short(tree: &SourceTree, findings: &mut Vec<Finding>) {
     let path = "crates/solver/src/step.rs";
     let Some(step) = tree.rust.iter().find(|source| source.path == path) else {
         findings.push(Finding::new(path, 1, "the file is missing: docs/ARCHITECTURE.md refers to it"));
@@ -146,7 +146,7 @@ fn step_is_short(tree: &Tree, findings: &mut Vec<Finding>) {
 }
 
 /// Checks that the code map has a heading `### name` for each package of the workspace, and no other.
-fn architecture_lists_crates(tree: &Tree, findings: &mut Vec<Finding>) {
+fn architecture_lists_crates(tree: &SourceTree, findings: &mut Vec<Finding>) {
     let Some(page) = tree.page(ARCHITECTURE) else {
         findings.push(Finding::new(ARCHITECTURE, 1, "the page is missing"));
         return;

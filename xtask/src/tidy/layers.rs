@@ -1,6 +1,6 @@
 //! Allowed dependencies between the packages.
 
-use super::tree::{Finding, Tree};
+use super::tree::{Finding, SourceTree};
 
 /// Every package with the packages that it may use, and the ones that only its tests may use.
 const LAYERS: &[(&str, &str, &str)] = &[
@@ -29,7 +29,7 @@ const EVERYTHING: &str =
     "mesh algebra body cutcell xfem-space fluid-ns solid-rigid solid-svk interface-dg contact solver io report";
 
 /// Compares the manifests with the table.
-pub(super) fn check(tree: &Tree) -> Vec<Finding> {
+pub(super) fn check(tree: &SourceTree) -> Vec<Finding> {
     let mut findings = Vec::new();
     for (name, manifest, dependencies) in tree.manifests() {
         let Some((_, uses, tests_use)) = LAYERS.iter().find(|(package, ..)| *package == name) else {

@@ -16,7 +16,7 @@ use std::fs;
 use std::io;
 
 use crate::process::Outcome;
-use tree::{Finding, Tree};
+use tree::{Finding, SourceTree};
 
 /// Flags of the task.
 #[derive(clap::Args)]
@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
 }
 
 /// Returns the findings of all rules, in the order of files and lines. Each module begins with its rule.
-fn findings(tree: &Tree) -> Vec<Finding> {
+fn findings(tree: &SourceTree) -> Vec<Finding> {
     let rules = [
         layers::check,
         third_party::check,
@@ -49,7 +49,7 @@ fn findings(tree: &Tree) -> Vec<Finding> {
 /// # Errors
 /// A file cannot be read or written.
 pub(crate) fn write_generated_pages() -> io::Result<()> {
-    let tree = Tree::read()?;
+    let tree = SourceTree::read()?;
     let path = tree.root.join(equations::PAGE);
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder)?;
@@ -62,7 +62,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     if arguments.fix {
         write_generated_pages()?;
     }
-    let tree = Tree::read()?;
+    let tree = SourceTree::read()?;
     let findings = findings(&tree);
     for Finding { path, line, advice } in &findings {
         println!("{path}:{line}: {advice}");
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn the_workspace_is_tidy() {
-        let tree = Tree::read().expect("a workspace");
+        let tree = SourceTree::read().expect("a workspace");
         let findings: Vec<String> =
             findings(&tree).into_iter().map(|f| format!("{}:{}: {}", f.path, f.line, f.advice)).collect();
         assert!(findings.is_empty(), "\n{}", findings.join("\n"));
@@ -89,7 +89,7 @@ mod tests {
     /// Checks that a file with this text has a finding on this line.
     fn check_finds(path: &str, text: &str, line: usize, advice: &str) {
         let source = Source::new(path, text.to_owned());
-        let tree = Tree { rust: vec![source], ..Tree::default() };
+        let tree = SourceTree { rust: vec![source], ..SourceTree::default() };
         let findings = findings(&tree);
         let found = findings.iter().any(|f| f.path == path && f.line == line && f.advice.contains(advice));
         assert!(found, "{path}: {text:?}: nothing about {advice:?} on line {line} in {findings:?}");
@@ -135,7 +135,7 @@ mod tests {
                 [dependency("faer", Value::Null), dependency("nalgebra", Value::Null)] }),
             json!({ "name": "other", "manifest_path": "crates/other/Cargo.toml", "dependencies": [] }),
         ];
-        let tree = Tree { packages, ..Tree::default() };
+        let tree = SourceTree { packages, ..SourceTree::default() };
         let of = |findings: Vec<Finding>| findings.into_iter().map(|f| f.advice).collect::<Vec<_>>().join("\n");
         let layers = of(layers::check(&tree));
         assert!(

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::source::{Source, words};
-use super::tree::{Finding, Tree};
+use super::tree::{Finding, SourceTree};
 
 /// Words in names of files that do not describe a subject.
 const EMPTY_WORDS: &[&str] = &["utils", "util", "helpers", "common", "misc", "stuff", "kernel"];
@@ -11,16 +11,17 @@ const EMPTY_WORDS: &[&str] = &["utils", "util", "helpers", "common", "misc", "st
 const TEST_FOLDERS: &[&str] = &["/tests/common/mod.rs"];
 /// Endings that mark a second version.
 const SECOND: &[&str] = &["2", "_new", "_old", "New", "Old"];
-/// Type names that several crates or commands may define.
-const SHARED: &[&str] = &["Error", "Arguments"];
+/// Type names that several crates, programs or commands may define, each with the same meaning: errors, and arguments
+/// and results of commands.
+const SHARED: &[&str] = &["Error", "Arguments", "Command", "Failure", "Outcome"];
 /// Folder of the terms of a crate. Terms of several crates may have the same name, such as the inertia of fluid and
 /// solid.
 const TERMS: &str = "/terms/";
 
 /// Checks all names.
-pub(super) fn check(tree: &Tree) -> Vec<Finding> {
+pub(super) fn check(tree: &SourceTree) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let mut types: BTreeMap<&str, Vec<(&Source, usize, bool)>> = BTreeMap::new();
+    let mut types: BTreeMap<&str, Vec<(&Source, usize)>> = BTreeMap::new();
     for source in &tree.rust {
         file_name(source, &mut findings);
         for (number, line) in source.code_lines() {
@@ -36,22 +37,16 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
                 let is_type = ["struct", "enum", "trait"].contains(&kind)
                     || kind == "type" && !line.starts_with(char::is_whitespace);
                 if is_type && !name.is_empty() && source.is_src() {
-                    // Programs share their types with no other package.
-                    let is_shared = line.trim_start().starts_with("pub") && source.package().starts_with("crates/");
-                    types.entry(name).or_default().push((source, number, is_shared));
+                    types.entry(name).or_default().push((source, number));
                 }
             }
         }
     }
     for (name, places) in types.iter().filter(|(name, _)| !SHARED.contains(*name)) {
         let is_term = |source: &Source| source.path.contains(TERMS);
-        for (k, (source, number, is_shared)) in places.iter().enumerate() {
-            // Private types of two crates may have the same name.
-            let is_other = |(other, _, other_is_shared): &&(&Source, usize, bool)| {
-                (other.package() == source.package() || *is_shared && *other_is_shared)
-                    && !(is_term(source) && is_term(other))
-            };
-            if let Some((other, ..)) = places[..k].iter().find(is_other) {
+        for (k, (source, number)) in places.iter().enumerate() {
+            let is_other = |(other, _): &&(&Source, usize)| !(is_term(source) && is_term(other));
+            if let Some((other, _)) = places[..k].iter().find(is_other) {
                 let advice = format!("`{name}` is also a type in {}: one name, one meaning", other.path);
                 findings.push(Finding::new(&source.path, *number, advice));
             }

@@ -1,7 +1,7 @@
 //! Phrases that comments, messages and pages must not contain, and the first words of the comments of functions.
 
 use super::source::Source;
-use super::tree::{Finding, Tree};
+use super::tree::{Finding, SourceTree};
 
 /// This file contains the list.
 const LIST: &str = "xtask/src/tidy/prose.rs";
@@ -42,7 +42,7 @@ const PHRASES: &[(&str, &str)] = &[
 ];
 
 /// Looks for the phrases, across line breaks.
-pub(super) fn check(tree: &Tree) -> Vec<Finding> {
+pub(super) fn check(tree: &SourceTree) -> Vec<Finding> {
     let sources = tree.rust.iter().chain(&tree.other).filter(|source| source.path != LIST);
     sources.flat_map(|source| of_file(source).into_iter().chain(verbs(source)).chain(fragments(source))).collect()
 }

@@ -1,7 +1,7 @@
 //! Folders and files that may use each third-party crate.
 
 use super::source::words;
-use super::tree::{Finding, Tree};
+use super::tree::{Finding, SourceTree};
 
 /// Third-party crates with the folders and files that may use them. Tests and benchmarks may use every dependency of
 /// their manifest.
@@ -70,7 +70,7 @@ const TESTS_ONLY: &[&str] = &[];
 const WITHOUT_NALGEBRA: &str = "crates/algebra/";
 
 /// Compares manifests and code with the table.
-pub(super) fn check(tree: &Tree) -> Vec<Finding> {
+pub(super) fn check(tree: &SourceTree) -> Vec<Finding> {
     let mut findings = Vec::new();
     let ours: Vec<&str> = tree.manifests().map(|(name, ..)| name).collect();
     for (name, manifest, dependencies) in tree.manifests() {

@@ -26,7 +26,7 @@ impl Finding {
 
 /// The files and packages of the workspace.
 #[derive(Default)]
-pub(crate) struct Tree {
+pub(crate) struct SourceTree {
     pub(super) root: PathBuf,
     /// Rust files of all packages.
     pub(super) rust: Vec<Source>,
@@ -38,7 +38,7 @@ pub(crate) struct Tree {
     pub(super) sizes: Vec<(String, usize)>,
 }
 
-impl Tree {
+impl SourceTree {
     /// Reads the tree.
     ///
     /// # Errors

@@ -137,7 +137,7 @@ impl<const D: usize> Piece<D> {
     fn divide(&self, distances: &[f64], by: Plane, crossings: &EdgeCrossings<D>, mut parts: [&mut Self; 2]) {
         let corners = self.divide_corners(distances, crossings, &mut parts);
         let corners = Divided { corners: &corners, crossings };
-        let mut sections = [Section::new(), Section::new()];
+        let mut sections = [SectionEdges::new(), SectionEdges::new()];
         for face in 0..self.n_faces() {
             let face = self.loop_of(face);
             let (lowest, highest) = corners.range(face.1);
@@ -192,7 +192,7 @@ impl<const D: usize> Piece<D> {
         corners: &Divided<'_, D>,
         [from, to]: [&Meeting; 2],
         by: Plane,
-        section: &mut Section,
+        section: &mut SectionEdges,
     ) {
         let [first, last] = [from, to].map(|meeting| meeting.numbers[side]);
         if D > 2 {
@@ -225,7 +225,7 @@ impl<const D: usize> Piece<D> {
         (plane, rim): Face<'_>,
         corners: &Divided<'_, D>,
         by: Plane,
-        section: &mut Section,
+        section: &mut SectionEdges,
     ) {
         let start = self.loops.len();
         self.loops.extend(rim.iter().map(|&(corner, beyond)| (corners.of(corner).numbers[side], beyond)));
@@ -246,7 +246,7 @@ impl<const D: usize> Piece<D> {
 
     /// Adds the face on the dividing plane. In 3D `section` has the edges of the face (from, to, plane beyond). In 2D
     /// `section` has the two ends of the face; the second number is 1 for the end at which the loop begins.
-    fn close(&mut self, mut section: Section, by: Plane) {
+    fn close(&mut self, mut section: SectionEdges, by: Plane) {
         if D == 2 {
             section.sort_by_key(|end| std::cmp::Reverse(end.1));
         } else {
@@ -333,7 +333,7 @@ type Distances = SmallVec<[f64; 32]>;
 type Crossing<const D: usize> = ([u32; 2], Corner<D>);
 type EdgeCrossings<const D: usize> = SmallVec<[Crossing<D>; 8]>;
 /// Sides of the face on a dividing plane, see [`Piece::close`].
-type Section = SmallVec<[(u32, u32, Plane); 16]>;
+type SectionEdges = SmallVec<[(u32, u32, Plane); 16]>;
 
 /// A corner of a piece that a plane divides.
 #[derive(Clone, Copy)]

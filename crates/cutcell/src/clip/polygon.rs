@@ -52,7 +52,7 @@ impl<const D: usize> Polygons<D> {
     }
 
     /// Returns the rounded corners.
-    pub(crate) fn points(&self, polygon: Polygon) -> Points<D> {
+    pub(crate) fn points(&self, polygon: Polygon) -> FacePoints<D> {
         self.sides(polygon).iter().map(|side| side.corner.x).collect()
     }
 
@@ -179,8 +179,8 @@ pub(crate) enum Place<P> {
 /// Indices of the sides that cross a plane, with the crossings: two for a polygon, one for a segment.
 type SideCrossings<const D: usize> = SmallVec<[(usize, Corner<D>); 2]>;
 
-/// Points of a convex face, on the stack if they are few.
-pub(crate) type Points<const D: usize> = SmallVec<[Point<D>; 8]>;
+/// FacePoints of a convex face, on the stack if they are few.
+pub(crate) type FacePoints<const D: usize> = SmallVec<[Point<D>; 8]>;
 
 /// Returns whether two distances lie strictly on different sides.
 #[inline]
