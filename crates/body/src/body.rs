@@ -93,8 +93,7 @@ pub trait BodyStep<const D: usize>: Sync {
         Vec::new()
     }
 
-    /// Writes the starting guess of the unknowns: the velocities at the start. Without inertia it is zero, which is the
-    /// equilibrium at the start: the motion of the step before may continue out of contact, where nothing holds a body.
+    /// Writes the starting guess of the unknowns, the velocities at the start.
     fn guess(&self, layout: &BlockLayout, x: &mut [f64]);
 
     /// Returns the state at the end of the step for the solution `x`.

@@ -73,7 +73,7 @@ impl<const D: usize> ContactReport<D> {
                 *on_slave.entry(sites.items.facet(item)).or_default() += pressing;
                 if let Anchor::Facet { facet, barycentric, .. } = site.projection.anchor {
                     let inside = barycentric[..D].iter().copied().fold(f64::INFINITY, f64::min);
-                    let segment = segments.entry((item, sites.segment_of(site))).or_default();
+                    let segment = segments.entry((item, sites.segment_of(item, site))).or_default();
                     segment.force += pressing;
                     if segment.facet.is_none() || inside > segment.inside {
                         (segment.facet, segment.inside) = (Some(facet), inside);

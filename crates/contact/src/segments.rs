@@ -7,7 +7,7 @@
 //! Source: Puso and Laursen 2004, A mortar segment-to-segment contact method for large deformation solid mechanics,
 //! doi:10.1016/j.cma.2003.06.020.
 
-use mesh::{Point, Tensor, det, facet_normal};
+use mesh::{Coordinates, Point, Tensor, det, facet_normal};
 
 /// Barycentric coordinates closer to zero than this are zero.
 const ON_EDGE: f64 = 1e-10;
@@ -85,22 +85,32 @@ fn projected<const D: usize>(points: &[Point<D>; D], facet: &[Point<D>; D]) -> O
 
 /// Divides a facet of the slave along the edges of facets of the master that face it. The vertices are at positions
 /// that are known before the step. The edges move during the step, which causes an error of quadrature.
+///
+/// In axisymmetric coordinates vertices on the axis are opposite to each other. Orthogonal to a facet of the master they
+/// are not, and the segment between would leave nearly no weight to the end of the slave on the axis.
 pub(crate) fn divide<const D: usize>(
     slave: &[Point<D>; D],
     master: impl Iterator<Item = [Point<D>; D]>,
+    coordinates: Coordinates,
 ) -> Vec<Segment<D>> {
+    let is_on_axis = |x: &Point<D>| coordinates.weight(x) == 0.0;
+    let slave_on_axis = slave.iter().position(is_on_axis);
+
     let normal = facet_normal(slave);
     let (mut segments, mut parts) = (vec![Segment::whole()], Vec::new());
     for facet in master {
         if facet_normal(&facet).dot(&normal) >= 0.0 {
             continue;
         }
-        let Some(coordinates) = projected(slave, &facet) else { continue };
-        let is_over = |segment: &Segment<D>| coordinates.iter().all(|c| segment.values(c).iter().any(|v| *v > 0.0));
+        let Some(mut projection) = projected(slave, &facet) else { continue };
+        if let (Some(i), Some(k)) = (slave_on_axis, facet.iter().position(is_on_axis)) {
+            projection.iter_mut().enumerate().for_each(|(j, of)| of[i] = f64::from(u8::from(j == k)));
+        }
+        let is_over = |segment: &Segment<D>| projection.iter().all(|c| segment.values(c).iter().any(|v| *v > 0.0));
         if !is_over(&Segment::whole()) {
             continue;
         }
-        for coordinate in &coordinates {
+        for coordinate in &projection {
             parts.clear();
             for &segment in &segments {
                 if is_over(&segment) {
@@ -122,7 +132,7 @@ mod tests {
     /// Checks that every segment is over one master facet or none, and that the share over some is `over`. Returns the
     /// number of segments.
     fn check<const D: usize>(slave: &[Point<D>; D], master: &[[Point<D>; D]], over: f64) -> usize {
-        let segments = divide(slave, master.iter().copied());
+        let segments = divide(slave, master.iter().copied(), Coordinates::Cartesian);
         let share: f64 = segments.iter().map(|s| s.share).sum();
         assert!((share - 1.0).abs() < 1e-12);
         let mut covered = 0.0;
@@ -156,7 +166,26 @@ mod tests {
         assert_eq!(check(&[point(-0.3, 0.1), point(0.2, 0.1)], &master, 0.4), 2);
         assert_eq!(check(&[point(0.25, 0.1), point(0.4, 0.1)], &master, 1.0), 1, "over a facet exactly");
         let away = [point(0.6, 0.2), point(0.1, 0.1)];
-        assert_eq!(divide(&away, master.iter().copied()), [Segment::whole()], "the normals are equal");
+        assert_eq!(
+            divide(&away, master.iter().copied(), Coordinates::Cartesian),
+            [Segment::whole()],
+            "the normals are equal"
+        );
+    }
+
+    #[test]
+    fn ends_on_the_axis_are_opposite_to_each_other() {
+        let point = Point::<2>::new;
+        let slave = [point(0.0, 0.1), point(0.1, 0.12)];
+        let master = [point(0.1, -0.02), point(0.0, 0.0)];
+        for height in [1e-2, 1e-8, -1e-8] {
+            let master = master.map(|x| x + point(0.0, 0.1 - height));
+            let divided = |coordinates| divide(&slave, [master].into_iter(), coordinates);
+            let whole = divided(Coordinates::Axisymmetric);
+            let on_axis = whole.iter().find(|s| s.corners.contains(&[1.0, 0.0])).expect("a segment");
+            assert!(on_axis.share > 0.9, "{height}: {whole:?}");
+            assert!(height < 0.0 || divided(Coordinates::Cartesian).len() > 1);
+        }
     }
 
     #[test]
@@ -166,7 +195,7 @@ mod tests {
         for k in 0..400 {
             let (height, shift) = (10.0_f64.powi(-4 - k % 9), 0.9 * (f64::from(k) * 0.618).fract());
             let needle = [point(-0.1, shift, 0.0), point(1.3, shift - 0.1, 0.0), point(0.3, shift + height, 0.0)];
-            let segments = divide(&slave, [needle].into_iter());
+            let segments = divide(&slave, [needle].into_iter(), Coordinates::Cartesian);
             let share: f64 = segments.iter().map(|s| s.share).sum();
             assert!((share - 1.0).abs() < 1e-12 && segments.iter().all(|s| s.share >= 0.0), "{k}: {segments:?}");
         }

@@ -138,13 +138,15 @@ struct Item<const D: usize> {
     /// Gap at the start of the step at each point, infinite without an obstacle in reach; only for the discrete
     /// gradient of a law with energy.
     begin_gaps: Vec<f64>,
-    /// Multiplier at each point; empty in the first solve and for laws without multipliers.
+    /// Multiplier at each point; an empty list means zero, and laws without multipliers.
     multipliers: Vec<Local>,
 }
 
 /// A quadrature point of a facet of the slave.
 #[derive(Clone, Debug)]
 struct SlavePoint<const D: usize> {
+    /// Index of the segment within the item.
+    segment: usize,
     /// Shape functions of the vertices of the facet.
     shape: [f64; D],
     /// Quadrature weight with the measure of the facet at the start of the step.
@@ -188,6 +190,13 @@ impl<const D: usize> ContactItems<D> {
         self.items.iter().map(|item| (item.facet, &item.candidates[..]))
     }
 
+    /// Sets a pressure at all points as multipliers of the first solve.
+    pub fn begin_with(&mut self, pressure: f64) {
+        for item in &mut self.items {
+            item.multipliers = vec![[-pressure, 0.0, 0.0]; item.points.len()];
+        }
+    }
+
     /// Sets the multipliers of the next solve.
     pub fn set_multipliers(&mut self, multipliers: Multipliers) {
         for (item, values) in self.items.iter_mut().zip(multipliers.values) {
@@ -226,7 +235,7 @@ impl<const D: usize> ContactItems<D> {
                 let opposite = candidates.iter().map(|&candidate| corners(opposite.facet_points(candidate)));
                 // A law of collisions has no traction to integrate.
                 if pair.form.law.restitution().is_none() {
-                    segments = divide(&corners(placed.facet_points(facet)), opposite);
+                    segments = divide(&corners(placed.facet_points(facet)), opposite, slave.boundary.coordinates());
                 }
                 let vertices = master.boundary.vertices_of(&candidates);
                 masters = vertices.into_iter().map(|vertex| (vertex, first_row(master, vertex))).collect();
@@ -236,16 +245,20 @@ impl<const D: usize> ContactItems<D> {
             of_stress.into_iter().for_each(|dof| _ = row_of(dof, &mut dofs));
             let corners = placed.facet_points(facet);
             let (coordinates, measure) = (slave.boundary.coordinates(), placed.facet_measure(facet));
-            let on_segment = |segment: Segment<D>| {
-                let points = pair.form.points_of(&segment, &corners, coordinates).into_iter();
-                points.map(move |(shape, weight)| (shape, weight * (segment.share * measure)))
-            };
-            let point = |(shape, weight)| {
-                let start = point_at(&corners, &shape);
-                let is_past_end = obstacle.is_past_end(&start, Positions::Fixed(positions), &candidates);
-                SlavePoint { shape, weight, is_past_end }
-            };
-            let points: Vec<_> = segments.into_iter().flat_map(on_segment).map(point).collect();
+            let mut points = Vec::new();
+            for (number, segment) in segments.iter().enumerate() {
+                points.extend(pair.form.points_of(segment, &corners, coordinates).into_iter().map(
+                    |(shape, weight)| {
+                        let start = point_at(&corners, &shape);
+                        let is_past_end = obstacle.is_past_end(&start, Positions::Fixed(positions), &candidates);
+                        SlavePoint { segment: number, shape, weight: weight * (segment.share * measure), is_past_end }
+                    },
+                ));
+            }
+            if points.iter().all(|point| point.weight == 0.0) {
+                // On the axis.
+                continue;
+            }
             let begin_gap = |point: &SlavePoint<D>| {
                 let start = point_at(&corners, &point.shape);
                 let found = obstacle.project(&start, Positions::Fixed(positions), &candidates);
@@ -276,8 +289,8 @@ pub struct ContactSites<'a, const D: usize> {
 
 impl<const D: usize> ContactSites<'_, D> {
     /// Returns the index, within the item, of the segment in which a point lies.
-    pub(crate) fn segment_of(&self, site: &ContactSite<D>) -> usize {
-        site.number / self.pair.form.rule.weights().len()
+    pub(crate) fn segment_of(&self, item: usize, site: &ContactSite<D>) -> usize {
+        self.items.items[item].points[site.number].segment
     }
 
     /// Returns a vertex of a surface, with position and displacement at the state `x`.

@@ -66,15 +66,15 @@ impl SimplexRule {
 
     /// Returns the Gauss-Lobatto rule with four points on a segment, including its ends; exact to degree 5.
     pub fn lobatto_segment() -> Self {
-        let root = 5.0_f64.sqrt();
-        let [near, far] = [-root, root].map(|root| ((5.0 + root) / 10.0, 5.0 / 12.0));
-        Self::on_segment([(0.0, 1.0 / 12.0), near, far, (1.0, 1.0 / 12.0)])
+        let near = 0.5 * (1.0 - (0.2_f64).sqrt());
+        Self::on_segment([(0.0, 1.0 / 12.0), (near, 5.0 / 12.0), (1.0 - near, 5.0 / 12.0), (1.0, 1.0 / 12.0)])
     }
 
-    /// Returns the Gauss-Lobatto-Jacobi rule with four points on a segment, including its ends, for integrals with the
-    /// distance from the first end as a factor, divided by that of the factor; exact to degree 5.
+    /// Returns the Gauss-Lobatto-Jacobi rule with four points on a segment, including its ends, for means with the
+    /// distance from the first end as their weight; exact to degree 5.
     ///
-    /// For axisymmetric coordinates and a segment whose first end is on the axis. This end has a positive weight.
+    /// In axisymmetric coordinates it integrates over a segment whose first end is on the axis. This end has a positive
+    /// weight in the rule.
     ///
     /// Source: Bernardi, Dauge and Maday 1999, Spectral Methods for Axisymmetric Domains.
     pub fn lobatto_segment_from_axis() -> Self {

@@ -295,9 +295,6 @@ impl<const D: usize> BodyStep<D> for RigidStep<'_, D> {
     }
 
     fn guess(&self, layout: &BlockLayout, x: &mut [f64]) {
-        if !self.time.weights.has_inertia() {
-            return;
-        }
         layout.set(self.vertices, self.start.velocity().iter().map(|v| (*v).into()), x);
         let RigidMotion { velocity, spin, .. } = &self.motion;
         for (value, dof) in velocity.iter().chain(spin).zip(layout.node(self.whole, 0)) {

@@ -224,9 +224,7 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
     }
 
     fn guess(&self, layout: &BlockLayout, x: &mut [f64]) {
-        if self.time.weights.has_inertia() {
-            layout.set(self.field, self.start.velocity().iter().map(|v| (*v).into()), x);
-        }
+        layout.set(self.field, self.start.velocity().iter().map(|v| (*v).into()), x);
     }
 
     fn end(&self, layout: &BlockLayout, x: &[f64]) -> BodyState<D> {

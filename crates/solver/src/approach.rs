@@ -5,6 +5,9 @@ use mesh::{BodyId, VertexId};
 use crate::setup::Contact;
 use crate::{Setup, State};
 
+/// Smallest length of a step relative to the time at its start; shorter ones are lost in the round-off of the time.
+const ROUND_OFF: f64 = 1e-12;
+
 /// Returns the longest step from a state with [`Setup::approach`], infinite without it. It depends only on positions
 /// and velocities of the bodies, so that a resumed run takes the same steps.
 pub(crate) fn longest_step<const D: usize>(setup: &Setup<D>, state: &State<D>) -> f64 {
@@ -22,5 +25,5 @@ pub(crate) fn longest_step<const D: usize>(setup: &Setup<D>, state: &State<D>) -
         (speed > 0.0).then(|| approach.fraction * gap / speed)
     };
     let longest = setup.contacts.iter().filter_map(of_contact).fold(f64::INFINITY, f64::min);
-    longest.max(approach.smallest)
+    longest.max(approach.smallest).max(ROUND_OFF * state.time)
 }

@@ -1,6 +1,6 @@
 //! The solve of a step, repeated until the multipliers of contacts and the points of collisions no longer change.
 
-use algebra::{NewtonReport, NewtonSettings, Workspace, newton};
+use algebra::{NewtonError, NewtonReport, NewtonSettings, Workspace, newton};
 use contact::Multipliers;
 
 use crate::{Error, Step};
@@ -27,7 +27,7 @@ impl<const D: usize> Step<'_, D> {
     /// # Errors
     /// Newton's method fails, or the multipliers still change after the largest number of solves.
     pub(crate) fn solve(&mut self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, Error> {
-        let mut report = newton(&self.problem().equations, x, work, &self.setup.newton)?;
+        let mut report = self.first_solve(x, work)?;
         let mut measured_from: Option<(usize, f64, usize)> = None;
         for solves in 1.. {
             // Each point of a collision is added at most a given number of times, so that collisions settle.
@@ -62,6 +62,30 @@ impl<const D: usize> Step<'_, D> {
         self.refine_collision(x, work, &mut report);
         self.remove_pressure_means(x);
         Ok(report)
+    }
+
+    /// Solves the step from the guess `x` with the multipliers of its start. Without inertia it first begins with bodies
+    /// at rest, where contact held them: the motion of the step before may carry a body out of contact, where the matrix
+    /// is singular.
+    fn first_solve(&self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, NewtonError> {
+        let (equations, settings) = (&self.problem().equations, &self.setup.newton);
+        if self.time.weights.has_inertia() {
+            return newton(equations, x, work, settings);
+        }
+        let mut from_rest = self.guess_at_rest();
+        match newton(equations, &mut from_rest, work, settings) {
+            Ok(report) => {
+                x.copy_from_slice(&from_rest);
+                Ok(report)
+            }
+            // Contact may have ended at the places of the start, and hold bodies that move on.
+            Err(mut at_rest) => {
+                let mut solved = newton(equations, x, work, settings);
+                let report = solved.as_mut().unwrap_or_else(|error| error.report_mut());
+                report.add_work(at_rest.report_mut());
+                solved
+            }
+        }
     }
 
     /// Solves a step with a collision to a smaller tolerance: the weight of a collision amplifies errors of velocities,

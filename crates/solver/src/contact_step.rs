@@ -95,7 +95,12 @@ impl<const D: usize> ContactStep<D> {
         let motion = |id: BodyId| previous.bodies[id.index()].largest_speed() * refs.time.length;
         let motion = motion(contact.body()) + contact.master().map_or(0.0, motion);
         let reach = contact.form().law.offset() + 2.0 * motion + 2.0 * contact.form().size();
-        Some(Self { items: ContactItems::new(&pair, refs.layout, reach), reach })
+        let mut items = ContactItems::new(&pair, refs.layout, reach);
+        if source == StressSource::Multiplier && !refs.time.weights.has_inertia() {
+            // Bodies at rest have the offset as their distance up to the tolerance, and nothing else may hold them.
+            items.begin_with(contact.form().law.accepted_change(f64::INFINITY));
+        }
+        Some(Self { items, reach })
     }
 
     /// Returns the quadrature points of the contact.

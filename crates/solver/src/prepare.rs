@@ -196,11 +196,17 @@ impl<'a, const D: usize> Step<'a, D> {
 
     /// Returns the previous state on the new unknowns, as a starting guess.
     pub fn guess(&self) -> Vec<f64> {
+        let mut x = self.guess_at_rest();
+        self.bodies.iter().for_each(|body| body.guess(&self.layout, &mut x));
+        x
+    }
+
+    /// Returns the same guess with bodies at rest.
+    pub(crate) fn guess_at_rest(&self) -> Vec<f64> {
         let mut x = vec![0.0; self.layout.len()];
         if let (Some(fluid), Some(before)) = (&self.fluid, &self.previous.fluid) {
             fluid.guess(&self.layout, &before.pressure, &mut x);
         }
-        self.bodies.iter().for_each(|body| body.guess(&self.layout, &mut x));
         x
     }
 

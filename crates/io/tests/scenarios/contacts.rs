@@ -340,10 +340,32 @@ offset   = 0.1
 [output]
 vtk_every = 0
 "#;
-    let directory = fresh_directory("rest");
-    results(&legal(text, &[]), &directory);
-    let tables = RunTables::read(&directory).expect("tables");
-    let forces = tables.column("contact_force").expect("a column");
-    assert_eq!(forces.len(), 4);
-    forces.iter().for_each(|(time, force)| assert!((force - 10.0).abs() < 1e-6, "{time}: {force}"));
+    let forces = |text: &str| {
+        let directory = fresh_directory("rest");
+        results(&legal(text, &[]), &directory);
+        let tables = RunTables::read(&directory).expect("tables");
+        let forces =
+            ["contact_force", "block_contact_force"].iter().find_map(|name| tables.column(name)).expect("a column");
+        assert_eq!(forces.len(), 4);
+        forces.iter().for_each(|(time, force)| assert!((force - 10.0).abs() < 1e-4, "{time}: {force}"));
+    };
+    forces(text);
+    let material = r#"material = { kind = "linear", young = 1e3, poisson = 0.0 }"#;
+    let nitsche = r#"{ kind = "nitsche", friction = 0.5 }"#;
+    let rigid = text.replace(material, r#"motion = { kind = "free", held = ["x", "rotation"] }"#);
+    forces(&rigid.replace(nitsche, r#"{ kind = "augmented-lagrangian", gamma_contact_0 = 1e4 }"#));
+    // A floor that recedes ever faster. Contact holds the block up to 2.5e-4 above the offset.
+    let floor = r#"
+[[body]]
+name   = "floor"
+shape  = { kind = "box", min = [-1.0, -0.5], max = [2.0, 0.0], n = [6, 1] }
+motion = { kind = "formula", displacement = ["0", "-1e-4*t*(t-1)"] }
+
+[contact]"#;
+    let sinking = text
+        .replace("[contact]", floor)
+        .replace("min = [0.0, 0.05]", "min = [0.0, 0.0999]")
+        .replace("0.55]", "0.5999]");
+    let plane = "body     = \"block\"\nobstacle = { kind = \"rigid-plane\", point = [0.0, 0.0], normal = [0.0, -1.0] }";
+    forces(&sinking.replace(plane, "pair = [\"block\", \"floor\"]"));
 }

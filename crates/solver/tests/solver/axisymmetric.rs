@@ -279,20 +279,25 @@ fn other_coordinates_and_a_wall_on_the_axis_are_refused() {
 }
 
 #[test]
-fn a_rigid_ball_rests_on_the_floor_with_its_weight() {
-    // Its lowest point is on the axis. The law holds it at the distance zero from the floor.
+fn a_rigid_ball_rests_on_the_floor_or_on_a_ball_with_its_weight() {
+    // Its lowest point is on the axis. The law holds it at the distance zero from the floor, or from another ball.
     let (density, gravity) = (2.0, 10.0);
-    let ball = rigid("ball", &ball(0.5001, 0.5, 0.1), density, V::new(0.0, -gravity));
-    let mut setup = dry(vec![Arc::new(ball)], 0.01);
-    setup.newton = NewtonSettings::new(1e-9);
-    let law = AugmentedLagrangianLaw::new(1e7, 0.0, 0.0, 1e-6).expect("a law");
-    let (form, obstacle) = (ContactForm::new(law, 0.1).expect("a size"), ground());
-    let facets = setup.bodies[0].surface().facets().collect();
-    setup.contacts.push(Contact::new(&setup.bodies, BodyId(0), facets, form, obstacle).expect("a contact"));
-    let (state, reports) = run(&setup, 30);
-    let balance = setup.bodies[0].balance(&state.bodies[0]).expect("a free body");
-    let force = reports.last().map_or(0.0, |report| report.contacts[0].force[1]);
-    assert!((force / (balance.mass * gravity) - 1.0).abs() < 1e-4, "{}", force / (balance.mass * gravity));
-    let gap = reports.last().and_then(|report| report.contacts[0].minimum_gap).expect("a gap");
-    assert!(gap.abs() < 1e-6, "{gap}");
+    for has_floor in [true, false] {
+        let falling = rigid("ball", &ball(0.5001, 0.5, 0.1), density, V::new(0.0, -gravity));
+        let below = prescribed(&ball(-0.4, 0.4, 0.07), |x, _| *x, |_, _| V::zeros());
+        let mut setup = dry(vec![Arc::new(falling), below], 0.01);
+        setup.newton = NewtonSettings::new(1e-9);
+        let law = AugmentedLagrangianLaw::new(1e6, 0.0, 0.0, 1e-6).expect("a law");
+        let form = ContactForm::new(law, 0.1).expect("a size");
+        let obstacle = if has_floor { ground() } else { against(1, &setup.bodies) };
+        let facets = setup.bodies[0].surface().facets().collect();
+        setup.contacts.push(Contact::new(&setup.bodies, BodyId(0), facets, form, obstacle).expect("a contact"));
+        let (state, reports) = run(&setup, 30);
+        let balance = setup.bodies[0].balance(&state.bodies[0]).expect("a free body");
+        let contact = &reports.last().expect("a step").contacts[0];
+        let force = contact.force[1] / (balance.mass * gravity);
+        assert!((force - 1.0).abs() < 1e-4, "{force}");
+        let gap = contact.minimum_gap.expect("a gap");
+        assert!(gap.abs() < 1e-6, "{gap}");
+    }
 }
