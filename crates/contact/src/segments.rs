@@ -86,8 +86,8 @@ fn projected<const D: usize>(points: &[Point<D>; D], facet: &[Point<D>; D]) -> O
 /// Divides a facet of the slave along the edges of facets of the master that face it. The vertices are at positions
 /// that are known before the step. The edges move during the step, which causes an error of quadrature.
 ///
-/// In axisymmetric coordinates vertices on the axis are opposite to each other. Orthogonal to a facet of the master they
-/// are not, and the segment between would leave nearly no weight to the end of the slave on the axis.
+/// In axisymmetric coordinates vertices on the axis are opposite to each other. Orthogonal to a facet of the master
+/// they are not, and the segment between would leave nearly no weight to the end of the slave on the axis.
 pub(crate) fn divide<const D: usize>(
     slave: &[Point<D>; D],
     master: impl Iterator<Item = [Point<D>; D]>,
@@ -95,7 +95,6 @@ pub(crate) fn divide<const D: usize>(
 ) -> Vec<Segment<D>> {
     let is_on_axis = |x: &Point<D>| coordinates.weight(x) == 0.0;
     let slave_on_axis = slave.iter().position(is_on_axis);
-
     let normal = facet_normal(slave);
     let (mut segments, mut parts) = (vec![Segment::whole()], Vec::new());
     for facet in master {

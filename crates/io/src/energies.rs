@@ -1,10 +1,11 @@
 //! Energies that the steps of a run generated, and lost in contact and at surfaces, relative to the energies of the
 //! run.
 
+use contact::StressSource;
 use mesh::Aabb;
 use serde::{Deserialize, Serialize};
 use solver::body::Balance;
-use solver::{FluidSetup, Setup, State, StepReport, StepView};
+use solver::{Contact, FluidSetup, Setup, State, StepReport, StepView};
 
 /// Largest gain of energy in a step that counts as round-off, relative to the energies of the run.
 const ENERGY_TOLERANCE: f64 = 1e-8;
@@ -29,8 +30,8 @@ pub(crate) struct Energies {
     largest_gain: f64,
     /// Sum of the gains.
     generated: f64,
-    /// Energy that the time scheme takes from bodies in steps with contact. Steps with a collision are left out, since
-    /// it changes velocities at once.
+    /// Energy that the time scheme takes from bodies in steps with contact. Steps in which a law determines the
+    /// velocity after an impact are left out, since it changes velocities at once.
     #[serde(default)]
     lost_in_contact: f64,
     /// Energy that the penalty on the normal velocity at surfaces takes.
@@ -39,9 +40,10 @@ pub(crate) struct Energies {
     /// Sum of the losses of energy of all steps.
     #[serde(default)]
     dissipated: f64,
-    /// Whether each contact is one of collisions.
+    /// Whether the law of each contact determines the velocity after an impact: laws of collisions, and multipliers for
+    /// a body that does not deform.
     #[serde(default)]
-    collides: Vec<bool>,
+    determines_impact: Vec<bool>,
     largest_defect: f64,
     /// Whether the energy of a step was not a number.
     is_undefined: bool,
@@ -51,7 +53,12 @@ impl Energies {
     /// Creates the record of a run from its start.
     pub(crate) fn new<const D: usize>(setup: &Setup<D>, start: &State<D>) -> Self {
         let mut energies = Self { largest: start.fluid_energy() + start.contact_energy, ..Self::default() };
-        energies.collides = setup.contacts.iter().map(|contact| contact.form().law.restitution().is_some()).collect();
+        let determines_impact = |contact: &Contact<D>| {
+            let law = &contact.form().law;
+            let is_rigid = !setup.bodies[contact.body().index()].deforms();
+            law.restitution().is_some() || law.stress() == StressSource::Multiplier && is_rigid
+        };
+        energies.determines_impact = setup.contacts.iter().map(determines_impact).collect();
         energies.has_inertia = setup.scheme.weights(setup.dt, true).has_inertia();
         let balances: Vec<_> =
             setup.bodies.iter().zip(&start.bodies).map(|(body, state)| body.balance(state)).collect();
@@ -103,7 +110,7 @@ impl Energies {
         let inflow = report.fluid.as_ref().map_or(0.0, |fluid| fluid.inflow_energy);
         let (gain, defect) = (-report.ledger.dissipation() - inflow, report.ledger.defect().abs());
         let is_active = |collides: bool| {
-            let mut contacts = report.contacts.iter().zip(&self.collides);
+            let mut contacts = report.contacts.iter().zip(&self.determines_impact);
             contacts.any(|(contact, is_collision)| contact.n_active > 0 && *is_collision == collides)
         };
         if is_active(false) && !is_active(true) {

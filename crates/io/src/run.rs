@@ -25,7 +25,7 @@ use crate::vtk::fluid::fluid_grid;
 use crate::vtk::interface::interface_grid;
 use crate::vtk::series::Series;
 use crate::vtk::surface::surface_grid;
-use crate::warnings::outside_at_end;
+use crate::warnings::outside_walls;
 use crate::watch::Watch;
 
 /// Series of field files, by the names of their indices.
@@ -127,6 +127,8 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
         let mut time_loop = TimeLoop::new(&case.setup, start, case.workspace);
         let outcome = time_loop.run(n_steps, &mut [&mut observer]);
         drop(observer);
+        let summary = &mut files.summary.summary;
+        summary.outside = outside_walls(&case.setup, time_loop.state(), &summary.units.length);
         files.write_summary()?;
         outcome.map_err(|error| match error.source {
             solver::Error::Observer(cause) if cause.is::<Interrupted>() => {
@@ -308,6 +310,7 @@ impl<'a, const D: usize> RunFiles<'a, D> {
         if let Some(header) = header {
             files.seconds_before = header.summary.summary.wall_seconds;
             files.summary = header.summary;
+            files.summary.summary.outside.clear();
             files.summary.summary.units = units;
             remove_fields(directory, |step| step > header.step)?;
             let mut series = files.series.iter_mut().zip(header.series);
@@ -416,10 +419,6 @@ impl<const D: usize> RunFiles<'_, D> {
         let bodies: Vec<_> = bodies.flatten().collect();
         self.summary.add(view, &bodies, seconds);
         self.history.write(view, &bodies, seconds)?;
-        if step == self.n_steps && view.ends_step() {
-            let summary = &mut self.summary.summary;
-            summary.outside = outside_at_end(view.setup, view.state, &summary.units.length);
-        }
         if is_output || step.is_multiple_of(10) || step == self.n_steps {
             self.write_summary()?;
         }

@@ -195,8 +195,12 @@ fn weights<const D: usize>(scenario: &Scenario, setup: &Setup<D>, state: &State<
     let vector = |of: Vector<D>| of.iter().map(|component| rounded(*component)).collect::<Vec<_>>();
     let forces = |of: &dyn Fn(f64) -> Vector<D>| {
         let [start, end] = [state.time, scenario.time.end].map(|time| vector(of(time)));
-        let later = if end == start { String::new() } else { format!(" at the start and {end:?} {force} at the end") };
-        format!("{start:?} {force}{later}")
+        if start == end {
+            return format!("{start:?} {force}");
+        }
+        let time = scenario.units.label(Quantity::TIME);
+        let [from, to] = [state.time, scenario.time.end].map(rounded);
+        format!("{start:?} {force} at t = {from} {time} and {end:?} {force} at t = {to} {time}")
     };
     let of_body = |(body, of): (&Arc<dyn Body<D>>, &BodyState<D>)| {
         let balance = body.balance(of)?;

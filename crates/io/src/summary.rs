@@ -70,8 +70,8 @@ pub struct Summary {
     pub max_penetration_over_s: Option<f64>,
     /// Smallest [`crate::distance`].
     pub min_distance: Option<f64>,
-    /// Movable bodies that reach through a side with a prescribed velocity at the end of the run, by more than the size
-    /// of their contacts; not written if there are none.
+    /// Bodies that at the last step reach through no-slip sides farther than at the start, by more than the size of
+    /// their contacts with obstacles at rest; not written if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outside: Vec<String>,
     /// Whether no step increased the energy by more than 1e-8 of the energies of the run, without the work of loads,

@@ -30,7 +30,7 @@ pub(crate) fn warnings<const D: usize>(scenario: &Scenario, case: &Case<D>, stat
     let mut lines = contacts_at_start(setup, &positions, &length);
     lines.extend(contacts_in_fluid(setup, &length));
     let reaching = outside(setup, &positions, &length).into_iter();
-    lines.extend(reaching.map(|(_, _, reaches)| format!("warning: {reaches}: the part outside is in no fluid")));
+    lines.extend(reaching.map(|reach| format!("warning: {}: the part outside is in no fluid", reach.description)));
     lines.extend(small_bodies(setup, &positions));
     lines.extend(body_forces(setup, state, scenario.time.end));
     lines.extend(torn(setup, state));
@@ -122,8 +122,9 @@ fn body_forces<const D: usize>(setup: &Setup<D>, state: &State<D>, end: f64) -> 
         let shown = |of: &Vector<D>| of.iter().map(|component| rounded(*component)).collect::<Vec<_>>();
         [state.time, end].into_iter().find_map(differs).map(|(time, found, usual)| {
             format!(
-                "warning: at t = {time} `fluid.body_force` is {:?} at body {}, and the density of the fluid times the gravity of the body is {:?}: `body_force` is a \
+                "warning: at t = {} `fluid.body_force` is {:?} at body {}, and the density of the fluid times the gravity of the body is {:?}: `body_force` is a \
                  force per volume",
+                rounded(time),
                 shown(&found),
                 body.name(),
                 shown(&usual)
@@ -229,24 +230,39 @@ fn small_bodies<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>]) -
     setup.bodies.iter().zip(positions).filter_map(of_body).collect()
 }
 
-/// Describes movable bodies that at the end of a run reach through a side of the background with a prescribed velocity,
-/// by more than the size of their contacts.
-pub(crate) fn outside_at_end<const D: usize>(setup: &Setup<D>, state: &State<D>, length: &str) -> Vec<String> {
-    let found = outside(setup, &setup.positions(&state.bodies), length).into_iter();
-    let touches = |contact: &&Contact<D>, body: usize| {
-        contact.body().index() == body || contact.master().is_some_and(|master| master.index() == body)
-    };
-    let allowed = |body: usize| {
-        let contacts = setup.contacts.iter().filter(|contact| touches(contact, body));
-        contacts.map(|contact| contact.form().size()).fold(0.0, f64::max)
-    };
-    let found = found.filter(|(body, distance, _)| setup.bodies[*body].is_movable() && *distance > allowed(*body));
-    found.map(|(_, _, reaches)| reaches).collect()
+/// A body that reaches through a side of the background with a prescribed velocity.
+struct BeyondSide {
+    body: usize,
+    side: Tag,
+    /// Largest distance from the side.
+    distance: f64,
+    /// Body, distance, side and place.
+    description: String,
 }
 
-/// Returns the bodies that reach through a side of the background with a prescribed velocity, each with its index, the
-/// distance and a description. Bodies may reach through planes of symmetry and open sides.
-fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length: &str) -> Vec<(usize, f64, String)> {
+/// Describes bodies that reach through no-slip sides farther than at the start of the run, and by more than the size of
+/// their contacts with obstacles at rest.
+pub(crate) fn outside_walls<const D: usize>(setup: &Setup<D>, state: &State<D>, length: &str) -> Vec<String> {
+    let Some(fluid) = &setup.fluid else { return Vec::new() };
+    let initial: Vec<_> = setup.bodies.iter().map(|body| body.initial()).collect();
+    let at_start = outside(setup, &setup.positions(&initial), length);
+    let allowed = |reach: &BeyondSide| {
+        let is_same = |other: &&BeyondSide| (other.body, other.side) == (reach.body, reach.side);
+        let begun = at_start.iter().find(is_same).map_or(0.0, |other| other.distance);
+        let is_own = |contact: &&Contact<D>| contact.body().index() == reach.body && contact.master().is_none();
+        let sizes = setup.contacts.iter().filter(is_own).map(|contact| contact.form().size());
+        begun + sizes.fold(ROUND_OFF * begun, f64::max)
+    };
+    let is_wall = |reach: &BeyondSide| {
+        fluid.boundary.iter().any(|(tag, side)| *tag == reach.side && matches!(side, FluidBoundary::NoSlip))
+    };
+    let found = outside(setup, &setup.positions(&state.bodies), length).into_iter();
+    found.filter(|reach| is_wall(reach) && reach.distance > allowed(reach)).map(|reach| reach.description).collect()
+}
+
+/// Returns the bodies that reach through a side of the background with a prescribed velocity. Bodies may reach through
+/// planes of symmetry and open sides.
+fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length: &str) -> Vec<BeyondSide> {
     let Some(fluid) = &setup.fluid else { return Vec::new() };
     let background = &fluid.background;
     let boundary = background.boundary();
@@ -274,11 +290,11 @@ fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length
         }
         lines.extend(farthest.iter().map(|(side, (distance, x))| {
             let place: Vec<f64> = x.iter().map(|x| rounded(*x)).collect();
-            let (name, side) = (body.name(), &background.tag_names()[side.index()]);
-            let reaches = format!(
-                "body {name} reaches {distance:.3e} {length} through side {side} of the background, to {place:?}"
+            let (name, of_side) = (body.name(), &background.tag_names()[side.index()]);
+            let description = format!(
+                "body {name} reaches {distance:.3e} {length} through side {of_side} of the background, to {place:?}"
             );
-            (index_of_body, *distance, reaches)
+            BeyondSide { body: index_of_body, side: *side, distance: *distance, description }
         }));
     }
     lines

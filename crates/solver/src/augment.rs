@@ -64,9 +64,9 @@ impl<const D: usize> Step<'_, D> {
         Ok(report)
     }
 
-    /// Solves the step from the guess `x` with the multipliers of its start. Without inertia it first begins with bodies
-    /// at rest, where contact held them: the motion of the step before may carry a body out of contact, where the matrix
-    /// is singular.
+    /// Solves the step from the guess `x` with the multipliers of its start. Without inertia it first begins with
+    /// bodies at rest, where contact held them: the motion of the step before may carry a body out of contact, where
+    /// the matrix is singular.
     fn first_solve(&self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, NewtonError> {
         let (equations, settings) = (&self.problem().equations, &self.setup.newton);
         if self.time.weights.has_inertia() {

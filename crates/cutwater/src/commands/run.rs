@@ -233,10 +233,9 @@ impl Console {
     }
 }
 
-/// Formats a number with at least four digits after the decimal point and four in all, or with an exponent if its size
-/// is below 1e-3 or above 1e6.
+/// Formats a number with four digits after the decimal point, six below 0.1, or with an exponent below 1e-3.
 fn shown(value: f64) -> String {
-    let is_plain = value == 0.0 || (1e-3..1e6).contains(&value.abs());
+    let is_plain = value == 0.0 || value.abs() >= 1e-3;
     let decimals = if (1e-3..0.1).contains(&value.abs()) { 6 } else { 4 };
     if is_plain { format!("{value:.decimals$}") } else { format!("{value:.3e}") }
 }
@@ -270,7 +269,7 @@ fn warnings(summary: &Summary) -> Vec<String> {
     let outside = summary.outside.iter();
     lines.extend(outside.map(|reaches| {
         format!(
-            "warning: at the end {reaches}: walls hold bodies only by contact; define one with the wall as its obstacle"
+            "warning: at the end {reaches}: walls hold bodies only by contact; define one with the wall as its obstacle, or make it stiffer"
         )
     }));
     if let Some(generated) = summary.energy_generated.filter(|generated| *generated > MUCH_ENERGY) {

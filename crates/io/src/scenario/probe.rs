@@ -45,8 +45,8 @@ choices! {
             /// Point about which the moment is taken; the origin if left out.
             about: Option<Components<f64>> [unit(Quantity::LENGTH)],
         },
-        /// Volume of fluid per time through a segment (2D) or parallelogram (3D), and mean pressure on it; in the plane per
-        /// unit depth. In axisymmetric coordinates the section is the surface that the segment sweeps about the axis: a
+        /// Volume of fluid per time through a segment (2D) or parallelogram (3D), and mean pressure on it, both of the points
+        /// in the fluid; in the plane per unit depth. In axisymmetric coordinates the section is the surface that the segment sweeps about the axis: a
         /// disk, a ring, a cylinder or a cone.
         Flux = "flux" {
             /// A corner of the section.
@@ -102,11 +102,14 @@ pub(super) fn probes<const D: usize>(
             if outside.len() == n_points {
                 return Err(probe.at.invalid(format!("the probe at {first:?} is outside the background; move it")));
             }
-            warnings.push(format!(
+            // In space a pipe is measured on a parallelogram around its section.
+            if !matches!(&**probe, ProbeChoice::Flux { sides, .. } if sides.len() > 1) {
+                warnings.push(format!(
                 "warning: {} of {n_points} points of probe {name} are outside the background, the first at {first:?}: it \
                  measures the others only",
                 outside.len()
             ));
+            }
             Ok(())
         };
         let no_fluid = || probe.at.error(ErrorKind::NoEffect("a scenario without a fluid"));

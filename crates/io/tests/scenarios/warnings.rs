@@ -90,7 +90,7 @@ fn weights_and_buoyancies_are_those_of_disks() {
     let mut ramped = vec!["body.0.gravity=[0, \"-200*t\"]", "body.1.gravity=[0, \"-200*t\"]"];
     ramped.push("fluid.body_force=[0, \"-2e5*t\"]");
     let found = self::lines(DISKS, &ramped);
-    let weight = "weight [0.0, 0.0] N/m at the start and [0.0, -471.2] N/m at the end, buoyancy [0.0, 0.0] N/m at the start and [0.0, 314.2] N/m at the end";
+    let weight = "weight [0.0, 0.0] N/m at t = 0 s and [0.0, -471.2] N/m at t = 0.05 s, buoyancy [0.0, 0.0] N/m at t = 0 s and [0.0, 314.2] N/m at t = 0.05 s";
     assert!(found.iter().any(|line| line.ends_with(weight)), "{found:#?}");
     assert!(!found.iter().any(|line| line.starts_with("warning")), "{found:#?}");
     ramped[1] = "body.1.gravity=[0, \"-2*t\"]";

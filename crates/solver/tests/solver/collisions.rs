@@ -200,3 +200,18 @@ fn steps_follow_the_gap() {
     }
     assert!(seen.iter().any(|(_, dt, _)| *dt > 4.9e-3) && seen.iter().any(|(_, dt, _)| *dt < 2e-4));
 }
+
+/// Without an offset the gap falls by the same fraction in every substep, to the smallest length that time resolves.
+#[test]
+fn steps_that_follow_the_gap_advance_the_time() {
+    let mut setup = bouncing(1.0, 1.0, 0.0);
+    let form = ContactForm::new(CollisionLaw::new(1.0, 0.0).expect("a law"), 0.1).expect("a contact");
+    let facets = setup.bodies[0].surface().facets().collect();
+    setup.contacts = vec![Contact::new(&setup.bodies, BodyId(0), facets, form, ground()).expect("a contact")];
+    setup.approach = Some(ApproachSteps { fraction: 0.3, smallest: 1e-30 });
+    let mut steps = Steps(Vec::new());
+    let state = State::initial(&setup).expect("a state");
+    TimeLoop::new(&setup, state, Workspace::new()).run(20, &mut [&mut steps]).expect("steps");
+    assert!(steps.0.windows(2).all(|pair| pair[1].2 > pair[0].2), "{}", steps.0.len());
+    assert!(steps.0.len() < 2000, "{}", steps.0.len());
+}
