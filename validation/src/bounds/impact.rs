@@ -5,17 +5,14 @@ use std::sync::Arc;
 
 use cutwater::mesh::Aabb;
 use cutwater::mesh::generate::{BallOptions, half_ball};
-use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SupportKind};
+use cutwater::solid_svk::{SaintVenantKirchhoff, SupportKind};
 
 use crate::outcome::Failure;
-use crate::verify::dry::{Scheme, elastic, floor, run};
+use crate::verify::dry::{LAME, RADIUS, Scheme, elastic, floor, run};
 use crate::verify::run::{DirectRun, V};
 
-/// Radius, cm.
-const RADIUS: f64 = 4.0;
-// Lame parameters, dyn/cm^2.
-const MU: f64 = 2e6;
-const LAMBDA: f64 = 8e6;
+/// Speed of the ball at the virtual barrier, cm/s.
+pub(crate) const SPEED: f64 = 52.45;
 // Contact penalty over contact size, as in the cases.
 const GAMMA_CONTACT: f64 = 1e8;
 const CONTACT_SIZE: f64 = 0.1;
@@ -43,8 +40,7 @@ pub(crate) struct Impact {
 /// Creates the run of the disk above the plane: one half of it, by symmetry.
 fn start(size: f64, speed: f64, dt: f64, scheme: Scheme) -> Result<DirectRun, Failure> {
     let mesh = half_ball([0.0, RADIUS], RADIUS, size, &BallOptions { area_preserving: false })?;
-    let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
-    let mut body = elastic(mesh, 1.0, material, V::zeros(), scheme)?;
+    let mut body = elastic(mesh, 1.0, SaintVenantKirchhoff::new(LAME), V::zeros(), scheme)?;
     body.hold("left", SupportKind::symmetry(0))?;
     body.options.initial_velocity = Some(Arc::new(move |_| V::new(0.0, -speed)));
     let contact = floor(body.part("surface")?, GAMMA_CONTACT, CONTACT_SIZE)?;
@@ -93,8 +89,8 @@ mod tests {
     /// energy, and less of it with smaller steps.
     #[test]
     fn the_rebound_tends_to_the_known_one() {
-        let coarse = impact(0.8, 52.45, 1e-3, Arc::new(ImplicitEuler)).unwrap();
-        let fine = impact(0.8, 52.45, 1e-4, Arc::new(ImplicitEuler)).unwrap();
+        let coarse = impact(0.8, SPEED, 1e-3, Arc::new(ImplicitEuler)).unwrap();
+        let fine = impact(0.8, SPEED, 1e-4, Arc::new(ImplicitEuler)).unwrap();
         assert!(coarse.restitution < fine.restitution && fine.restitution < 1.0, "{coarse:?} {fine:?}");
         assert!(coarse.loss > fine.loss && fine.loss > 0.0);
         assert!((fine.duration - 11.1e-3).abs() < 1e-3 && (fine.smallest_height - 7.77).abs() < 0.02, "{fine:?}");

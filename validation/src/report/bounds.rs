@@ -7,15 +7,13 @@ use cutwater::report::html::{escape, gallery, number, table, verdict};
 use cutwater::report::{Chart, Curve, Section};
 
 use super::case_result::CaseResult;
-use crate::bounds::impact::{Impact, impact};
+use crate::bounds::impact::{Impact, SPEED, impact};
 use crate::bounds::potential::{added_mass, arrival, fall, gaps};
 use crate::outcome::Failure;
 use crate::units::cgs;
 
 /// Falls whose times and speeds are listed.
 const FALLS: [(f64, f64); 5] = [(6.0, 3.0), (6.0, 0.1), (3.0, 0.1), (1.0, 0.1), (1.0, 0.05)];
-/// Speed of the dry impact, cm/s: that of the ball at the virtual barrier.
-const SPEED: f64 = 52.45;
 // Size of cells and time steps of the dry impact.
 const SIZE: f64 = 0.4;
 const STEPS: [f64; 5] = [1e-3, 5e-4, 2e-4, 1e-4, 5e-5];

@@ -97,15 +97,13 @@ fn velocity(dt: f64, time: Option<f64>) -> Result<f64, Failure> {
     make_rigid(&mut case.setup)?;
     fluid_mut(&mut case.setup)?.stabilisation.time = time;
     let mut run = DirectRun::lagged(case.setup)?;
-    for _ in 0..case.n_steps {
-        run.advance()?;
-    }
+    run.advance_by(case.n_steps as u32)?;
     Ok(run.state.bodies[0].velocity().first().ok_or("the ball has vertices")?[1])
 }
 
 /// Computes the velocity of the centre of mass after some steps with a set of stabilisation parameters, divided by the
 /// time.
-fn acceleration(h: f64, is_rigid: bool, n_steps: usize, of: &str) -> Result<f64, Failure> {
+fn acceleration(h: f64, is_rigid: bool, n_steps: u32, of: &str) -> Result<f64, Failure> {
     let set = [
         format!("background.size={h}"),
         format!("body.0.shape.size={h}"),
@@ -118,10 +116,7 @@ fn acceleration(h: f64, is_rigid: bool, n_steps: usize, of: &str) -> Result<f64,
         make_rigid(&mut case.setup)?;
     }
     let mut run = DirectRun::lagged(case.setup)?;
-    let mut report = run.advance()?;
-    for _ in 1..n_steps {
-        report = run.advance()?;
-    }
+    let report = run.advance_by(n_steps)?;
     let balance = report.bodies[0].balance.as_ref().ok_or("the ball has a mass")?;
     Ok(balance.momentum[1] / balance.mass / run.state.time)
 }

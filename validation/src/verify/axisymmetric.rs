@@ -12,8 +12,10 @@ use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff};
 use cutwater::solver::body::{Body, PrescribedBody, TimeField};
 use cutwater::solver::{ConvectionForm, FluidBoundary, Setup, StepReport};
 
-use super::dry::{self, Elastic, Scheme, elastic, pushed, second_order};
-use super::flow::{Errors, Flow, KnownFlow, boundary, fluid, fluid_mut, force, problem};
+use super::dry::{self, Elastic, GAMMA_0, Scheme, elastic, pushed, second_order};
+use super::flow::{
+    self, Errors, Flow, KnownFlow, boundary, fluid, fluid_mut, force, open, problem, set_side, wall_below,
+};
 use super::mode::frequency_of;
 use super::orders::{MeasuredErrors, ORDERS, in_space};
 use super::signal::passage;
@@ -35,8 +37,6 @@ const YOUNG: f64 = 1.0;
 const POISSON: f64 = 0.3;
 /// Ratio of pressure to penetration, such that the penetration is a thousandth of the approach.
 const STIFFNESS: f64 = 1e4;
-/// Parameter of Nitsche's method: the default of scenarios, and a hundred times this value.
-const GAMMA_0: [f64; 2] = [10.0, 1000.0];
 const LOAD_STEPS: u32 = 4;
 /// Edges of the sphere in the length of a cell.
 const EDGES_PER_CELL: f64 = 3.0;
@@ -99,13 +99,10 @@ pub(super) fn slow(
     dt: f64,
     outer: impl Fn(&str) -> FluidBoundary<2>,
 ) -> Result<Setup<2>, Failure> {
-    let mut fluid = fluid(background.with_coordinates(Coordinates::Axisymmetric)?, 1e-9, 1.0);
+    let mut setup = problem(fluid(background.with_coordinates(Coordinates::Axisymmetric)?, 1e-9, 1.0), dt);
     for side in ["left", "right", "bottom", "top"] {
-        let tag = fluid.background.tag(side).ok_or("a box has four sides")?;
-        let condition = if side == "left" { FluidBoundary::symmetry(0) } else { outer(side) };
-        fluid.boundary.push((tag, condition));
+        set_side(&mut setup, side, if side == "left" { FluidBoundary::symmetry(0) } else { outer(side) })?;
     }
-    let mut setup = problem(fluid, dt);
     setup.scheme = Arc::new(QuasiStatic);
     Ok(setup)
 }
@@ -175,15 +172,10 @@ impl Flow for Hill {
 fn known_flow<F: Flow>(known: &KnownFlow<F>, n: usize) -> Result<(Errors, f64), Failure> {
     let background = structured_box::<2>([0.0, -1.0], [1.0, 1.0], [n, 2 * n])?;
     let mut setup = known.setup(background.with_coordinates(Coordinates::Axisymmetric)?, 1e9);
-    let left = fluid_mut(&mut setup)?.background.tag("left");
-    for (_, condition) in fluid_mut(&mut setup)?.boundary.iter_mut().filter(|(tag, _)| Some(*tag) == left) {
-        *condition = FluidBoundary::symmetry(0);
-    }
+    set_side(&mut setup, "left", FluidBoundary::symmetry(0))?;
     setup.bodies.push(moving(sphere(0.0, RADIUS, 1.0 / n as f64), |x, _| *x, known.velocity()));
-    let mut run = DirectRun::new(setup)?;
-    let report = run.advance()?;
-    let force = force(&run.state, &report, 0, &P::zeros())?.0[1];
-    Ok((known.errors(&run.setup, &run.state)?, force))
+    let (state, report) = flow::run(&setup, 1)?;
+    Ok((known.errors(&setup, &state)?, force(&state, &report, 0, &P::zeros())?.0[1]))
 }
 
 fn stokes(n: usize) -> Result<MeasuredErrors, Failure> {
@@ -242,14 +234,11 @@ fn wall(record: &mut Record) -> Result<(), Failure> {
         let near = RegionShape::Segment { ends: [P::new(0.0, 0.0), P::new(0.0, gap + 2.0)], within: 1.2 };
         let regions = [Region { shape: near, size: h, growth: 0.25 }];
         let background = refined_box([0.0, 0.0], [FAR, FAR], &Size::uniform(4.0), &regions)?;
-        let open = || FluidBoundary::Open { traction: None, backflow: false };
-        let on_side = |side: &str| if side == "bottom" { FluidBoundary::NoSlip } else { open() };
-        let mut setup = slow(background, 1e-3 * h, on_side)?;
+        let mut setup = slow(background, 1e-3 * h, wall_below)?;
         let velocity = Arc::new(|_: &P, _| V::new(0.0, -1.0));
         setup.bodies.push(moving(sphere(1.0 + gap, 1.0, h), |x, t| x - V::new(0.0, t), velocity));
-        let mut run = DirectRun::new(setup)?;
-        let report = run.advance()?;
-        let drag = force(&run.state, &report, 0, &P::zeros())?.0[1] / (6.0 * PI);
+        let (state, report) = flow::run(&setup, 1)?;
+        let drag = force(&state, &report, 0, &P::zeros())?.0[1] / (6.0 * PI);
         record.near_relative(
             format!("approach to a wall, gap {gap} radii, {:.0} cells across it: drag over that without wall", gap / h),
             drag,
@@ -275,10 +264,7 @@ fn added_mass(record: &mut Record) -> Result<(), Failure> {
         let near = RegionShape::Segment { ends: [centre, centre], within: 1.2 };
         let regions = [Region { shape: near, size: h, growth: 0.2 }];
         let background = refined_box([0.0, 0.0], [FAR, FAR], &Size::uniform(3.0), &regions)?;
-        let on_side = |side: &str| match side {
-            "bottom" => FluidBoundary::symmetry(1),
-            _ => FluidBoundary::Open { traction: None, backflow: false },
-        };
+        let on_side = |side: &str| if side == "bottom" { FluidBoundary::symmetry(1) } else { open() };
         let mut setup = slow(background, STEP, on_side)?;
         setup.scheme = Arc::new(ImplicitEuler);
         let fluid = fluid_mut(&mut setup)?;
@@ -288,8 +274,7 @@ fn added_mass(record: &mut Record) -> Result<(), Failure> {
         let body = RigidBody::new("sphere", surface, corners, DENSITY, V::new(0.0, -1.0))?;
         let volume = body.mass.mass / DENSITY;
         setup.bodies.push(Arc::new(body));
-        let mut run = DirectRun::new(setup)?;
-        let report = run.advance()?;
+        let (_, report) = flow::run(&setup, 1)?;
         let momentum = report.bodies[0].balance.ok_or("no mass")?.momentum[1];
         // Mass times gravity over acceleration, less the mass.
         let added = (volume * DENSITY).powi(2) / (-momentum / STEP) - volume * DENSITY;
@@ -411,10 +396,7 @@ fn pressed_ball(n: usize, form: ContactForm<2>) -> Result<(DirectRun, StepReport
     body.hold("top", pushed([None, Some(-APPROACH)]))?;
     let contact = dry::floor_by(body.part("bottom")?, form)?;
     let mut run = dry::run(vec![body], Some(contact), f64::from(LOAD_STEPS).recip(), 1e-10)?;
-    let mut report = run.advance()?;
-    for _ in 1..LOAD_STEPS {
-        report = run.advance()?;
-    }
+    let report = run.advance_by(LOAD_STEPS)?;
     Ok((run, report))
 }
 

@@ -136,13 +136,11 @@ impl Channel {
             V::new(0.0, channel.viscosity * factor(t) * slope)
         };
         let outflow = FluidBoundary::Open { traction: Some(Arc::new(shear)), backflow: false };
-        for (side, condition) in
-            [("left", inflow), ("right", outflow), ("bottom", FluidBoundary::NoSlip), ("top", FluidBoundary::NoSlip)]
-        {
-            let tag = fluid.background.tag(side).ok_or("a side has no name")?;
-            fluid.boundary.push((tag, condition));
-        }
         let mut setup = flow::problem(fluid, LONG);
+        flow::set_side(&mut setup, "left", inflow)?;
+        flow::set_side(&mut setup, "right", outflow)?;
+        flow::set_side(&mut setup, "bottom", FluidBoundary::NoSlip)?;
+        flow::set_side(&mut setup, "top", FluidBoundary::NoSlip)?;
         let at_rest = Arc::new(|_: &P, _: f64| V::zeros());
         setup.bodies.push(polygon(&[self.obstacle(resolution.n_corners)], |x, _| *x, at_rest));
         Ok(setup)
@@ -233,8 +231,7 @@ mod tests {
         let flag = 2.0 * FLAG_HALF * (FLAG_END - CENTRE[0]);
         for (has_flag, expected) in [(false, disk), (true, disk + flag - inside)] {
             let corners = channel(has_flag).obstacle(N_CORNERS);
-            let next = corners.iter().cycle().skip(1);
-            let area: f64 = corners.iter().zip(next).map(|(a, b)| 0.5 * (a[0] * b[1] - a[1] * b[0])).sum();
+            let area = flow::area(&corners);
             assert!((area / expected - 1.0).abs() < 2e-5, "{area} {expected}");
         }
     }

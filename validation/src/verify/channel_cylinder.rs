@@ -7,7 +7,7 @@ use cutwater::algebra::time::QuasiStatic;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solver::{FluidBoundary, Setup, Stabilisation};
 
-use super::flow::{disk, fluid_mut, force, polygon, wet_report};
+use super::flow::{disk, fluid_mut, force, polygon, set_side, wet_report};
 use super::linear_flow::still;
 use super::{DirectRun, Failure, P, Record, V};
 
@@ -91,10 +91,7 @@ fn setup(cells: usize) -> Result<Setup<2>, Failure> {
     // Without inertia the penalty does not depend on speeds either.
     fluid.material.density = 1e-9;
     fluid.convection = None;
-    let bottom = fluid.background.tag("bottom");
-    for (_, condition) in fluid.boundary.iter_mut().filter(|(tag, _)| Some(*tag) == bottom) {
-        *condition = FluidBoundary::symmetry(1);
-    }
+    set_side(&mut setup, "bottom", FluidBoundary::symmetry(1))?;
     // Edges of a third of a cell.
     let corners = disk(P::new(0.5 * LENGTH, 0.0), 0.5, (3.0 * PI * cells as f64).ceil() as usize);
     setup.bodies.push(polygon(&[corners], |x, t| x + V::new(t, 0.0), Arc::new(|_, _| V::new(1.0, 0.0))));

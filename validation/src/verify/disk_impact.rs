@@ -6,11 +6,9 @@ use cutwater::algebra::time::ImplicitEuler;
 
 use super::dry::{Scheme, second_order};
 use super::{Failure, Record, short};
-use crate::bounds::impact::impact;
+use crate::bounds::impact::{SPEED, impact};
 use crate::units::cgs;
 
-/// Speed of the ball at the virtual barrier, cm/s.
-const SPEED: f64 = 52.45;
 // Explicit central differences on meshes of 0.2 and 0.1 cm, with energy kept to 2e-4: restitution, duration of contact
 // in ms, smallest height in cm.
 const RESTITUTION: f64 = 0.98;

@@ -7,11 +7,22 @@ use cutwater::algebra::time::{GeneralisedAlpha, TimeScheme};
 use cutwater::contact::{ContactForm, PenaltyLaw, RigidPlane};
 use cutwater::mesh::{BodyId, FacetId, SimplexMesh, Vector};
 use cutwater::solid_svk::supports::tagged_facets;
-use cutwater::solid_svk::{ElasticBody, ElasticOptions, Material, SolidForm, SolidMesh, Support, SupportKind};
+use cutwater::solid_svk::{
+    ElasticBody, ElasticOptions, LameParameters, Material, SolidForm, SolidMesh, Support, SupportKind,
+};
 use cutwater::solver::body::Body;
 use cutwater::solver::{Contact, ContactObstacle, Setup};
 
 use super::{DirectRun, Failure, P, V};
+
+// The ball of the paper: radius, cm, and Lame parameters, dyn/cm².
+pub(crate) const RADIUS: f64 = 4.0;
+pub(crate) const MU: f64 = 2e6;
+pub(crate) const LAMBDA: f64 = 8e6;
+pub(crate) const LAME: LameParameters = LameParameters { mu: MU, lambda: LAMBDA };
+
+/// Parameter of Nitsche's method: the default of scenarios, and a hundred times this value.
+pub(super) const GAMMA_0: [f64; 2] = [10.0, 1000.0];
 
 /// A time scheme.
 pub(crate) type Scheme = Arc<dyn TimeScheme>;

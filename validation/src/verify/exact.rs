@@ -14,7 +14,7 @@ use rand_xoshiro::SplitMix64;
 use super::conservation;
 use super::dry::elastic;
 use super::flow::{
-    self, Flow, KnownFlow, disk, fluid_mut, fluid_of, outside, polygon, rigid_polygon, set_sides, wet, wet_report,
+    self, Flow, KnownFlow, area, disk, fluid_mut, fluid_of, outside, polygon, rigid_polygon, set_sides, wet, wet_report,
 };
 use super::linear_flow::{LinearFlow, SIZE, background, nonagon};
 use super::record::{NamedNumbers, worse};
@@ -87,11 +87,6 @@ fn nodal_errors<F: Flow>(known: &KnownFlow<F>, setup: &Setup<2>, state: &State<2
         errors[1] = errors[1].max((fluid.pressure[k] - known.flow.pressure(&x, t)).abs());
     }
     Ok(errors)
-}
-
-fn area(corners: &[P]) -> f64 {
-    let next = corners.iter().cycle().skip(1);
-    0.5 * corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
 }
 
 fn hydrostatic(centre: P, _: &mut SplitMix64) -> Result<NamedNumbers, Failure> {

@@ -7,7 +7,7 @@ use cutwater::algebra::time::QuasiStatic;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solver::{FilmSetup, FluidBoundary, Setup, TractionField};
 
-use super::flow::{self, fluid_mut, polygon};
+use super::flow::{self, fluid_mut, polygon, set_side};
 use super::{Failure, P, Record, V};
 
 /// Largest relative error of the force on plates.
@@ -95,13 +95,10 @@ fn with_open_fluid_between_plates(gap: f64) -> f64 {
 fn over_floor(around: f64, length: f64, heights: [f64; 2], begins: f64, speed: f64) -> Result<Setup<2>, Failure> {
     let cells = [length + 2.0 * around, 2.0 * around].map(|n| n as usize);
     let background = structured_box::<2>([0.0; 2], cells.map(|n| n as f64), cells)?;
-    let mut fluid = flow::fluid(background, 1e-9, 1.0);
+    let mut setup = flow::problem(flow::fluid(background, 1e-9, 1.0), 1e9);
     for side in ["left", "right", "bottom", "top"] {
-        let tag = fluid.background.tag(side).ok_or("a box has four sides")?;
-        let open = FluidBoundary::Open { traction: None, backflow: false };
-        fluid.boundary.push((tag, if side == "bottom" { FluidBoundary::NoSlip } else { open }));
+        set_side(&mut setup, side, flow::wall_below(side))?;
     }
-    let mut setup = flow::problem(fluid, 1e9);
     setup.scheme = Arc::new(QuasiStatic);
     fluid_mut(&mut setup)?.film = Some(FilmSetup::default());
     let [from, to] = [around - 1.0 + begins, around - 1.0 + begins + length];
@@ -111,10 +108,10 @@ fn over_floor(around: f64, length: f64, heights: [f64; 2], begins: f64, speed: f
     Ok(setup)
 }
 
-/// Returns the upward force on the first body.
-fn upward_force(setup: &Setup<2>) -> Result<f64, Failure> {
+/// Returns the force on the first body in the first step.
+pub(super) fn first_force(setup: &Setup<2>) -> Result<V, Failure> {
     let (state, report) = flow::run(setup, 1)?;
-    Ok(flow::force(&state, &report, 0, &P::zeros())?.0[1])
+    Ok(flow::force(&state, &report, 0, &P::zeros())?.0)
 }
 
 /// Returns the force on a plate over a wall that ends in open fluid over that of Reynolds' equation. Its length and the
@@ -122,7 +119,7 @@ fn upward_force(setup: &Setup<2>) -> Result<f64, Failure> {
 fn plate_in_fluid(along: f64, gap: f64, begins: f64) -> Result<f64, Failure> {
     let around = 4.0 * gap.max(1.0);
     let setup = over_floor(around, along, [gap, gap + 0.5 * around], begins, 1.0)?;
-    Ok(upward_force(&setup)? * (gap / along).powi(3))
+    Ok(first_force(&setup)?[1] * (gap / along).powi(3))
 }
 
 /// Returns the result of [`plate_in_fluid`] for a plate over the top of a body, with a line of the mesh in the middle
@@ -135,7 +132,7 @@ fn plate_over_floor(along: f64, gap: f64, begins: f64) -> Result<f64, Failure> {
     let right = along + 2.0 * AROUND + 1.0;
     let corners = [(-1.0, -1.0), (right, -1.0), (right, below), (-1.0, below)].map(|(x, y)| P::new(x, y));
     setup.bodies.push(polygon(&[corners.to_vec()], |x, _| *x, Arc::new(|_, _| V::zeros())));
-    Ok(upward_force(&setup)? * (gap / along).powi(3))
+    Ok(first_force(&setup)?[1] * (gap / along).powi(3))
 }
 
 /// Returns the result of [`plate_in_fluid`] for two equal plates in open fluid that approach each other. Their film is
@@ -145,12 +142,12 @@ fn equal_plates(along: f64, gap: f64, begins: f64) -> Result<f64, Failure> {
     const MIDDLE: f64 = 3.5;
     let [below, above] = [MIDDLE - 0.5 * gap, MIDDLE + 0.5 * gap];
     let mut setup = over_floor(AROUND, along, [above, above + 0.5 * AROUND], begins, 0.5)?;
-    flow::set_sides(&mut setup, || FluidBoundary::Open { traction: None, backflow: false })?;
+    flow::set_sides(&mut setup, flow::open)?;
     let [from, to] = [AROUND - 1.0 + begins, AROUND - 1.0 + begins + along];
     let corners = [(from, below - 0.5 * AROUND), (to, below - 0.5 * AROUND), (to, below), (from, below)];
     let upwards = Arc::new(|_: &P, _: f64| V::new(0.0, 0.5));
     setup.bodies.push(polygon(&[corners.map(|(x, y)| P::new(x, y)).to_vec()], |x, _| *x, upwards));
-    Ok(upward_force(&setup)? * (gap / along).powi(3))
+    Ok(first_force(&setup)?[1] * (gap / along).powi(3))
 }
 
 /// Returns the leak below a gate between two pressures over that of a film with the resistance of the open fluid on
@@ -158,16 +155,9 @@ fn equal_plates(along: f64, gap: f64, begins: f64) -> Result<f64, Failure> {
 fn leak(along: f64, gap: f64, begins: f64) -> Result<f64, Failure> {
     const AROUND: f64 = 4.0;
     let mut setup = over_floor(AROUND, along, [gap, 3.0 * AROUND], begins, 0.0)?;
-    let fluid = fluid_mut(&mut setup)?;
-    let [left, top] = ["left", "top"].map(|side| fluid.background.tag(side));
-    for (tag, condition) in &mut fluid.boundary {
-        if Some(*tag) == top {
-            *condition = FluidBoundary::NoSlip;
-        } else if Some(*tag) == left {
-            let traction: TractionField<2> = Arc::new(|_, n, _| -*n);
-            *condition = FluidBoundary::Open { traction: Some(traction), backflow: false };
-        }
-    }
+    let traction: TractionField<2> = Arc::new(|_, n, _| -*n);
+    set_side(&mut setup, "left", FluidBoundary::Open { traction: Some(traction), backflow: false })?;
+    set_side(&mut setup, "top", FluidBoundary::NoSlip)?;
     let (state, _) = flow::run(&setup, 1)?;
     let (background, fluid) = (&flow::fluid_of(&setup)?.background, flow::wet(&state)?);
     let [right, height] = [along + 2.0 * AROUND, 2.0 * AROUND];

@@ -10,10 +10,10 @@ use cutwater::interface_dg::terms::PenaltyProfile;
 use cutwater::mesh::generate::{Region, RegionShape, Size, refined_box, structured_box};
 use cutwater::mesh::{Coordinates, Vector};
 use cutwater::solid_rigid::RigidBody;
-use cutwater::solver::{FilmSetup, FluidBoundary, Setup, Stabilisation, StepReport};
+use cutwater::solver::{FilmSetup, FluidBoundary, Setup, Stabilisation};
 
 use super::axisymmetric::{brenner, moving, slow, sphere};
-use super::film_edges;
+use super::film_edges::{edges, first_force};
 use super::flow::{self, boundary, fluid_mut, polygon};
 use super::linear_flow::LinearFlow;
 use super::lubrication::{approach, exact_force, graded};
@@ -73,7 +73,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     spheres(record)?;
     cylinders(record)?;
     plates(record)?;
-    film_edges::edges(record)?;
+    edges(record)?;
     if record.full {
         sweeps(record)?;
         parameters(record)?;
@@ -138,7 +138,7 @@ fn cylinders(record: &mut Record) -> Result<(), Failure> {
         let n = 4 * (2.0 * PI / h).ceil() as usize;
         let mut setup = approach(graded(0.4, h)?, gap * h, n)?;
         FilmCase::new(1.0 / h).set(&mut setup)?;
-        let ratio = 2.0 * solve(setup)?.1.0[1] / exact_force(gap * h);
+        let ratio = 2.0 * first_force(&setup)?[1] / exact_force(gap * h);
         record.near_relative(format!("cylinder, gap of {gap} cells: force over the exact one"), ratio, 1.0, CYLINDER);
     }
     Ok(())
@@ -303,9 +303,7 @@ fn over_wall(case: &FilmCase) -> Result<Setup<2>, Failure> {
         regions.push(Region { shape: near, size: 1.0 / pole, growth: 0.25 });
     }
     let background = refined_box([0.0, bottom], [FAR, FAR + bottom], &Size::uniform(4.0), &regions)?;
-    let open = || FluidBoundary::Open { traction: None, backflow: false };
-    let on_side = |side: &str| if side == "bottom" { FluidBoundary::NoSlip } else { open() };
-    let mut setup = slow(background, 1e-9, on_side)?;
+    let mut setup = slow(background, 1e-9, flow::wall_below)?;
     case.set(&mut setup)?;
     if case.wall.is_some() {
         // The body ends outside of the mesh. Facets on the axis have measure zero.
@@ -325,31 +323,18 @@ fn sphere_force(case: &FilmCase, gap: f64) -> Result<Force, Failure> {
     let facet = case.pole.map_or(h, |pole| 1.0 / pole);
     setup.bodies.push(moving(sphere(1.0 + gap, 1.0, facet), |x, t| x - V::new(0.0, t), velocity));
     let body = setup.bodies.len() - 1;
-    let (run, report) = run(setup)?;
+    let (state, report) = flow::run(&setup, 1)?;
     let end = (2.0 * gap).sqrt();
     let (mut swept, mut leaks) = (0.0, 0.0);
-    for (piece, on_piece) in flow::interface(&run.state, &report)? {
+    for (piece, on_piece) in flow::interface(&state, &report)? {
         if piece.body.index() == body && on_piece.middle[0] < end && piece.normal[1] < 0.0 {
             // The measure of a piece is that of the circle.
             swept -= piece.normal[1] * on_piece.measure;
             leaks += on_piece.jump.dot(&piece.normal) * on_piece.measure;
         }
     }
-    let force = flow::force(&run.state, &report, body, &P::zeros())?.0[1];
+    let force = flow::force(&state, &report, body, &P::zeros())?.0[1];
     Ok(Force { ratio: force / (6.0 * PI * brenner(gap)), leaves: 1.0 - (leaks / swept).abs() })
-}
-
-fn run(setup: Setup<2>) -> Result<(DirectRun<2>, StepReport<2>), Failure> {
-    let mut run = DirectRun::new(setup)?;
-    let report = run.advance()?;
-    Ok((run, report))
-}
-
-/// Solves for one step; returns the run, and the force on the first body with its moment.
-fn solve(setup: Setup<2>) -> Result<(DirectRun<2>, (V, f64)), Failure> {
-    let (run, report) = run(setup)?;
-    let force = flow::force(&run.state, &report, 0, &P::zeros())?;
-    Ok((run, force))
 }
 
 /// Number of cells along the plates.
@@ -383,7 +368,7 @@ fn plates_along(
         if side > 0.0 { corners.to_vec() } else { corners.into_iter().rev().collect() }
     };
     let mut setup = LinearFlow::at_rest(V::zeros()).known(1.0, &[]).setup(background, 1e9);
-    flow::set_sides(&mut setup, || FluidBoundary::Open { traction: None, backflow: false })?;
+    flow::set_sides(&mut setup, flow::open)?;
     FilmCase::new(cells as f64).set(&mut setup)?;
     for side in [1.0, -1.0] {
         let velocity = across * (-0.5 * side * speed);
@@ -396,13 +381,13 @@ fn plates_along(
 /// mesh in the middle of the film.
 fn in_two_layers(gap: f64) -> Result<f64, Failure> {
     let (setup, _) = plates_along(10, 0.0, gap, 0.0, 1.0)?;
-    Ok(solve(setup)?.1.0[1] * (gap / 10.0).powi(3))
+    Ok(first_force(&setup)?[1] * (gap / 10.0).powi(3))
 }
 
 /// Returns the force on one of two parallel plates that approach each other over the exact one.
 fn squeeze(gap: f64, degrees: f64) -> Result<f64, Failure> {
     let (setup, [along, across]) = between_plates(gap, degrees, 1.0)?;
-    let force = solve(setup)?.1.0.dot(&across);
+    let force = first_force(&setup)?.dot(&across);
     let length_over_gap = CELLS as f64 / (along[0] * gap);
     Ok(force / length_over_gap.powi(3))
 }
@@ -418,22 +403,18 @@ fn cavity(gap: f64) -> Result<f64, Failure> {
     // Vapour is a penalty, with round-off above the tolerance of the linear problems.
     setup.newton = NewtonSettings::new(1e-8);
     fluid_mut(&mut setup)?.film = Some(FilmSetup { floor: Some(floor), ..FilmSetup::default() });
-    let force = solve(setup)?.1.0.dot(&across);
+    let force = first_force(&setup)?.dot(&across);
     Ok(force / (floor * (1.0 - 2.0 * width + 2.0 * width * 2.0 / 3.0)))
 }
 
 /// Returns the gradient of the pressure along a channel with a given flux over the exact one.
 fn channel(gap: f64) -> Result<f64, Failure> {
     let (mut setup, _) = between_plates(gap, 0.0, 0.0)?;
-    let fluid = fluid_mut(&mut setup)?;
-    let left = fluid.background.tag("left");
-    for (_, condition) in fluid.boundary.iter_mut().filter(|(tag, _)| Some(*tag) == left) {
-        *condition = FluidBoundary::Velocity(Arc::new(|_, _| V::new(1.0, 0.0)));
-    }
-    let (run, report) = run(setup)?;
+    flow::set_side(&mut setup, "left", FluidBoundary::Velocity(Arc::new(|_, _| V::new(1.0, 0.0))))?;
+    let (state, report) = flow::run(&setup, 1)?;
     // Pressures on the upper plate, away from the ends.
     let mut sums = [(0.0, 0.0, 0.0); 2];
-    for (piece, on_piece) in flow::interface(&run.state, &report)? {
+    for (piece, on_piece) in flow::interface(&state, &report)? {
         let x = on_piece.middle[0];
         let section = [0.2..0.4, 0.6..0.8].iter().position(|section| section.contains(&x));
         if let (0, Some(section)) = (piece.body.index(), section)
@@ -455,13 +436,12 @@ fn channel(gap: f64) -> Result<f64, Failure> {
 fn disks(gap: f64) -> Result<f64, Failure> {
     let h = 1.0 / CELLS as f64;
     let background = structured_box::<2>([0.0, 0.0], [1.0, 0.5], [CELLS, CELLS / 2])?;
-    let open = || FluidBoundary::Open { traction: None, backflow: false };
-    let mut setup = slow(background, 1e-9, |side| if side == "bottom" { FluidBoundary::NoSlip } else { open() })?;
+    let mut setup = slow(background, 1e-9, flow::wall_below)?;
     FilmCase::new(CELLS as f64).set(&mut setup)?;
     let low = gap * h;
     let corners = [(0.0, low), (2.0, low), (2.0, low + 0.2), (0.0, low + 0.2)].map(|(r, z)| P::new(r, z));
     setup.bodies.push(moving(corners.to_vec(), |x, _| *x, Arc::new(|_, _| V::new(0.0, -1.0))));
-    Ok(solve(setup)?.1.0[1] * low.powi(3) / (1.5 * PI))
+    Ok(first_force(&setup)?[1] * low.powi(3) / (1.5 * PI))
 }
 
 /// Returns the force on one of two square plates in space that approach each other over the exact one.
@@ -470,12 +450,10 @@ fn square_plates(gap: f64) -> Result<f64, Failure> {
     const ALONG: usize = 20;
     let length = ALONG as f64;
     let background = structured_box::<3>([0.0, 0.0, -1.0], [length, length, 3.0], [ALONG, ALONG, 4])?;
-    let mut fluid = flow::fluid(background, 1e-9, 1.0);
+    let mut setup = flow::problem(flow::fluid(background, 1e-9, 1.0), 1e9);
     for side in ["left", "right", "front", "back", "bottom", "top"] {
-        let tag = fluid.background.tag(side).ok_or("a box has six sides")?;
-        fluid.boundary.push((tag, FluidBoundary::Open { traction: None, backflow: false }));
+        flow::set_side(&mut setup, side, flow::open())?;
     }
-    let mut setup = flow::problem(fluid, 1e9);
     setup.scheme = Arc::new(QuasiStatic);
     fluid_mut(&mut setup)?.film = Some(FilmSetup::default());
     let middle = 0.5 + OFF_LINE;
@@ -491,9 +469,8 @@ fn square_plates(gap: f64) -> Result<f64, Failure> {
             velocity: Arc::new(move |_, _| Vector::z() * speed),
         }));
     }
-    let mut run = DirectRun::new(setup)?;
-    let report = run.advance()?;
-    let force: f64 = flow::interface(&run.state, &report)?
+    let (state, report) = flow::run(&setup, 1)?;
+    let force: f64 = flow::interface(&state, &report)?
         .filter(|(piece, _)| piece.body.index() == 1)
         .map(|(_, on_piece)| on_piece.total()[2] * on_piece.measure)
         .sum();

@@ -220,6 +220,12 @@ pub(super) fn boundary(loops: &[Vec<P>]) -> BoundaryMesh<2> {
     BoundaryMesh::from_facets(facets)
 }
 
+/// Returns the area of a polygon.
+pub(super) fn area(corners: &[P]) -> f64 {
+    let next = corners.iter().cycle().skip(1);
+    0.5 * corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
+}
+
 /// Returns a free rigid body inside of the polygon through corners, counter-clockwise.
 pub(super) fn rigid_polygon(corners: Vec<P>, density: f64, gravity: V) -> Result<RigidBody<2>, Failure> {
     let loops = [corners];
@@ -242,6 +248,31 @@ pub(super) fn fluid_mut<const D: usize>(setup: &mut Setup<D>) -> Result<&mut Flu
 pub(super) fn set_sides(setup: &mut Setup<2>, condition: impl Fn() -> FluidBoundary<2>) -> Result<(), Failure> {
     fluid_mut(setup)?.boundary.iter_mut().for_each(|(_, on_side)| *on_side = condition());
     Ok(())
+}
+
+/// Puts a condition on one side of the box.
+pub(super) fn set_side<const D: usize>(
+    setup: &mut Setup<D>,
+    side: &str,
+    condition: FluidBoundary<D>,
+) -> Result<(), Failure> {
+    let fluid = fluid_mut(setup)?;
+    let tag = fluid.background.tag(side).ok_or("a side has no name")?;
+    match fluid.boundary.iter_mut().find(|(other, _)| *other == tag) {
+        Some((_, on_side)) => *on_side = condition,
+        None => fluid.boundary.push((tag, condition)),
+    }
+    Ok(())
+}
+
+/// Returns the condition of a side without traction.
+pub(super) fn open<const D: usize>() -> FluidBoundary<D> {
+    FluidBoundary::Open { traction: None, backflow: false }
+}
+
+/// Returns the condition of a side of a box that is open but for its bottom.
+pub(super) fn wall_below(side: &str) -> FluidBoundary<2> {
+    if side == "bottom" { FluidBoundary::NoSlip } else { open() }
 }
 
 pub(super) fn wet<const D: usize>(state: &State<D>) -> Result<&FluidState<D>, Failure> {
@@ -276,7 +307,7 @@ pub(super) fn disk(centre: P, radius: f64, n: usize) -> Vec<P> {
 }
 
 /// Takes steps from the state at the start; returns the last state and its report.
-pub(super) fn run(setup: &Setup<2>, n_steps: usize) -> Result<(State<2>, StepReport<2>), Failure> {
+pub(super) fn run<const D: usize>(setup: &Setup<D>, n_steps: usize) -> Result<(State<D>, StepReport<D>), Failure> {
     let mut work = Workspace::new();
     let mut state = State::initial(setup)?;
     let mut last = None;

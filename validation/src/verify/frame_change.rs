@@ -7,7 +7,7 @@ use cutwater::mesh::generate::structured_box;
 use cutwater::solver::body::TimeField;
 use cutwater::solver::{FluidBoundary, Setup};
 
-use super::flow::{disk, fluid_mut, interface, polygon};
+use super::flow::{disk, fluid_mut, interface, polygon, set_side};
 use super::linear_flow::still;
 use super::signal::{falls, mean, rms, rough, slope};
 use super::{DirectRun, Failure, P, Record, V, short};
@@ -136,12 +136,8 @@ fn setup(cells: usize, dt: f64, moves: bool) -> Result<Setup<2>, Failure> {
     let stream: TimeField<2> = Arc::new(move |_, _| V::new(stream, 0.0));
     let on_side = || FluidBoundary::Velocity(Arc::clone(&stream));
     let mut setup = still(structured_box::<2>([0.0; 2], CHANNEL, n)?, 1.0 / REYNOLDS, dt, 1e-8, on_side)?;
-    let fluid = fluid_mut(&mut setup)?;
-    let bottom = fluid.background.tag("bottom");
-    for (_, condition) in fluid.boundary.iter_mut().filter(|(tag, _)| Some(*tag) == bottom) {
-        *condition = FluidBoundary::symmetry(1);
-    }
-    fluid.initial_velocity = Some(Arc::new(move |x| stream(x, 0.0)));
+    set_side(&mut setup, "bottom", FluidBoundary::symmetry(1))?;
+    fluid_mut(&mut setup)?.initial_velocity = Some(Arc::new(move |x| stream(x, 0.0)));
     let centre = P::new(0.5 * CHANNEL[0] + start, 0.0);
     setup.bodies.push(polygon(
         // Edges of a quarter of a cell.

@@ -171,6 +171,7 @@ pub(super) fn obstacle(rows: usize, order: Order) -> Result<(SolidMesh<2>, Vec<V
 
 #[cfg(test)]
 mod tests {
+    use super::super::flow::area;
     use super::*;
 
     #[test]
@@ -179,9 +180,7 @@ mod tests {
         let (solid, held) = obstacle(rows, Order::Linear).expect("elements");
         assert_eq!(held.len(), N_CORNERS + rows + 1);
         assert_eq!(solid.boundary().n_facets(), N_CORNERS + rows + 2 * columns);
-        let corners = CHANNEL.obstacle(N_CORNERS);
-        let next = corners.iter().cycle().skip(1);
-        let area: f64 = corners.iter().zip(next).map(|(a, b)| 0.5 * (a[0] * b[1] - a[1] * b[0])).sum();
+        let area = area(&CHANNEL.obstacle(N_CORNERS));
         let volume = solid.mesh().volume();
         assert!((volume / area - 1.0).abs() < 1e-4, "{volume} {area}");
 

@@ -10,27 +10,21 @@ use cutwater::algebra::time::QuasiStatic;
 use cutwater::contact::{ContactForm, NitscheLaw, PenaltyLaw};
 use cutwater::mesh::VertexId;
 use cutwater::mesh::generate::structured_box;
-use cutwater::solid_svk::{LameParameters, LinearElastic, Material, SaintVenantKirchhoff, Support, SupportKind};
+use cutwater::solid_svk::{LinearElastic, Material, SaintVenantKirchhoff, Support, SupportKind};
 use cutwater::solver::StepReport;
 
-use super::dry::{elastic, floor_by, pushed, run};
+use super::dry::{GAMMA_0, LAMBDA, LAME, MU, RADIUS, elastic, floor_by, pushed, run};
 use super::signal::passage;
 use super::{DirectRun, Failure, P, Record, V};
 use crate::units::cgs;
 
-/// Radius, cm.
-const RADIUS: f64 = 4.0;
-/// Displacement of its middle towards the plane, cm. The half-width of contact is then a thirtieth of the radius, and
+/// Displacement of the middle towards the plane, cm. The half-width of contact is then a thirtieth of the radius, and
 /// strains are small.
 const PUSHED: f64 = 1e-2;
-// Lame parameters, dyn/cm^2, and `E/(1 - ν²)`, which follows from them.
-const MU: f64 = 2e6;
-const LAMBDA: f64 = 8e6;
+/// `E/(1 - ν²)`, dyn/cm².
 const MODULUS: f64 = 4.0 * MU * (LAMBDA + MU) / (LAMBDA + 2.0 * MU);
 /// Ratio of pressure to penetration, dyn/cm^3, such that the penetration is below a hundredth of the approach.
 const STIFFNESS: f64 = 1e10;
-/// Parameter of Nitsche's method: the default of scenarios, and a hundred times this value.
-const GAMMA_0: [f64; 2] = [10.0, 1000.0];
 /// Grading of the cells towards the contact.
 const GRADING: f64 = 4.0;
 /// Steps in which the push is applied.
@@ -71,10 +65,7 @@ fn press(
     body.options.supports.push(Support { vertices: vec![centre], kind: SupportKind::symmetry(0) });
     let contact = floor_by(body.part("bottom")?, form)?;
     let mut run = run(vec![body], Some(contact), f64::from(LOAD_STEPS).recip(), 1e-10)?;
-    let mut report = run.advance()?;
-    for _ in 1..LOAD_STEPS {
-        report = run.advance()?;
-    }
+    let report = run.advance_by(LOAD_STEPS)?;
     Ok((run, report))
 }
 
@@ -93,7 +84,7 @@ fn pressures(run: &DirectRun, report: &StepReport<2>) -> Vec<(f64, f64)> {
 fn nitsche(record: &mut Record, n: usize) -> Result<(), Failure> {
     let mut found = Vec::new();
     for gamma_0 in GAMMA_0 {
-        let material = LinearElastic::new(LameParameters::new(MU, LAMBDA)?);
+        let material = LinearElastic::new(LAME);
         let (run, report) = press(n, material, ContactForm::new(NitscheLaw::new(gamma_0, 0.0, 0.0)?, 1.0)?)?;
         let (load, points) = (report.contacts[0].force[1], pressures(&run, &report));
         let (radius, peak) = hertz(load);
@@ -123,7 +114,7 @@ fn nitsche(record: &mut Record, n: usize) -> Result<(), Failure> {
         record.show(format!("{name}: largest deviation of the pressure within 0.9 a, over p0"), scatter, None);
         found.push([load, middle, half_width, pole]);
     }
-    let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
+    let material = SaintVenantKirchhoff::new(LAME);
     let (run, report) = press(n, material, ContactForm::new(NitscheLaw::new(GAMMA_0[0], 0.0, 0.0)?, 1.0)?)?;
     let (name, peak) = (
         cgs("Saint Venant-Kirchhoff, Nitsche: largest pressure p0 [<pressure>]"),
@@ -161,11 +152,8 @@ fn sizes(points: &[(f64, f64)]) -> impl Iterator<Item = f64> + '_ {
 
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let n = if record.full { 192 } else { 128 };
-    let (run, report) = press(
-        n,
-        SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?),
-        ContactForm::new(PenaltyLaw::new(STIFFNESS, 0.0)?, 1.0)?,
-    )?;
+    let (run, report) =
+        press(n, SaintVenantKirchhoff::new(LAME), ContactForm::new(PenaltyLaw::new(STIFFNESS, 0.0)?, 1.0)?)?;
     let load = report.contacts[0].force[1];
     let (radius, peak) = hertz(load);
     let positions = run.state.bodies[0].positions(run.setup.bodies[0].reference());

@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
-use cutwater::solver::{FluidBoundary, Setup, Stabilisation};
+use cutwater::solver::{Setup, Stabilisation};
 
-use super::dry::second_order;
-use super::flow::{PAPERS_PENALTY, fluid_mut};
+use super::dry::{RADIUS, second_order};
+use super::flow::{PAPERS_PENALTY, fluid_mut, open};
 use super::linear_flow::still;
-use super::mode::{Mode, RADIUS, frequency_of};
+use super::mode::{Mode, frequency_of};
 use super::{DirectRun, Failure, P, Record, V, short};
 use crate::units::cgs;
 
@@ -90,9 +90,7 @@ fn order_in_time(record: &mut Record) -> Result<(), Failure> {
         let (setup, amplitude) = vibration(&mode, 0.8, f64::from(steps), Stabilisation::STANDARD)?;
         let mut run = DirectRun::lagged(setup)?;
         let at_start = amplitude(run.state.bodies[0].displacement());
-        for _ in 0..3 * steps / 4 {
-            run.advance()?;
-        }
+        run.advance_by(3 * steps / 4)?;
         let found = amplitude(run.state.bodies[0].displacement()) / at_start;
         if let Some(coarser) = coarser {
             let difference: f64 = found - coarser;
@@ -121,7 +119,6 @@ fn vibration(
     set: Stabilisation,
 ) -> Result<(Setup<2>, impl Fn(&[V]) -> f64 + use<>), Failure> {
     let period = 1.0 / mode.hertz();
-    let open = || FluidBoundary::Open { traction: None, backflow: false };
     let mut setup = still(background(h)?, VISCOSITY, period / steps, 1e-9, open)?;
     fluid_mut(&mut setup)?.stabilisation = set;
     setup.scheme = second_order(0.8)?;

@@ -7,7 +7,7 @@ use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solver::{FluidBoundary, Setup, Stabilisation};
 
-use super::flow::{self, FlowPoint, PAPERS_PENALTY, disk, fluid_mut, fluid_of, interface, polygon};
+use super::flow::{self, FlowPoint, PAPERS_PENALTY, disk, fluid_mut, fluid_of, interface, open, polygon};
 use super::linear_flow::LinearFlow;
 use super::signal::bisect;
 use super::{Failure, P, Record, V, short};
@@ -160,7 +160,6 @@ pub(super) fn approach(background: SimplexMesh<2>, gap: f64, n_corners: usize) -
     let mut setup = known.setup(background, STEADY);
     let fluid = fluid_mut(&mut setup)?;
     let tag = |name: &str| fluid.background.tag(name).ok_or("a side of a box");
-    let open = || FluidBoundary::Open { traction: None, backflow: false };
     fluid.boundary = vec![
         (tag("left")?, FluidBoundary::symmetry(0)),
         (tag("right")?, open()),

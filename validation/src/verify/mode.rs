@@ -4,17 +4,14 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use cutwater::mesh::generate::{BallOptions, ball};
-use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SolidMesh};
+use cutwater::solid_svk::{SaintVenantKirchhoff, SolidMesh};
 
-use super::dry::{Elastic, Scheme, elastic};
+use super::dry::{Elastic, LAMBDA, LAME, MU, RADIUS, Scheme, elastic};
 use super::signal::passage;
 use super::{DirectRun, Failure, P, V};
 
-// The disk of the falling balls: radius, cm; density, g/cm^3; Lame parameters, dyn/cm^2.
-pub(super) const RADIUS: f64 = 4.0;
-pub(super) const DENSITY: f64 = 1.0;
-const MU: f64 = 2e6;
-const LAMBDA: f64 = 8e6;
+/// Density of the disk, g/cm³.
+const DENSITY: f64 = 1.0;
 /// Largest displacement relative to the radius: small enough for linear elasticity.
 const STRAIN: f64 = 1e-4;
 
@@ -65,8 +62,7 @@ impl Mode {
     /// other modes with as many waves around the disk, which shift the zero crossings.)
     pub(super) fn disk(&self, size: f64, scheme: Scheme) -> Result<Elastic<2>, Failure> {
         let mesh = ball::<2>([0.0, 0.0], RADIUS, size, &BallOptions { area_preserving: true })?;
-        let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
-        let mut body = elastic(mesh, DENSITY, material, V::zeros(), scheme)?;
+        let mut body = elastic(mesh, DENSITY, SaintVenantKirchhoff::new(LAME), V::zeros(), scheme)?;
         let mode = *self;
         body.options.initial_displacement = Some(Arc::new(move |x| mode.at(x) * (STRAIN * RADIUS)));
         Ok(body)

@@ -44,6 +44,14 @@ impl<const D: usize> DirectRun<D> {
         }
     }
 
+    /// Takes some steps, and at least one. Returns the report of the last one.
+    pub(super) fn advance_by(&mut self, n_steps: u32) -> Result<StepReport<D>, Failure> {
+        for _ in 1..n_steps {
+            self.advance()?;
+        }
+        self.advance()
+    }
+
     /// Takes one step.
     pub(crate) fn advance(&mut self) -> Result<StepReport<D>, Failure> {
         let (state, report) = advance(&self.setup, &self.state, Substep::whole(self.setup.dt), &mut self.work)?;

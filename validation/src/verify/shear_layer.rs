@@ -14,7 +14,7 @@ use cutwater::solid_svk::{
 use cutwater::solver::{FluidBoundary, Setup, StepReport};
 
 use super::dry::{Scheme, second_order};
-use super::flow::{self, Flow, KnownFlow, fluid_mut, fluid_of, wet};
+use super::flow::{self, Flow, KnownFlow, fluid_mut, fluid_of, set_side, wet};
 use super::signal::mean;
 use super::{DirectRun, Failure, P, Record, T, V, short};
 
@@ -256,11 +256,8 @@ fn setup(known: &KnownFlow<Layer>, [n_x, n_y]: [usize; 2], dt: f64) -> Result<Se
     let background = structured_box::<2>([0.0, 0.0], [LENGTH, PLATE], [(2 * n_x).div_ceil(5), rows])?;
     let mut setup = known.setup(background, dt);
     // Nothing depends on x: no vertical motion at the sides, and no normal traction.
-    let fluid = fluid_mut(&mut setup)?;
-    let sides = ["left", "right"].map(|side| fluid.background.tag(side));
-    for (_, condition) in fluid.boundary.iter_mut().filter(|(tag, _)| sides.contains(&Some(*tag))) {
-        *condition = FluidBoundary::symmetry(1);
-    }
+    set_side(&mut setup, "left", FluidBoundary::symmetry(1))?;
+    set_side(&mut setup, "right", FluidBoundary::symmetry(1))?;
     setup.bodies.push(Arc::new(body(&known.flow, solid([n_x, n_y])?, 0.0)?));
     Ok(setup)
 }

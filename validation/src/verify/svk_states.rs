@@ -10,17 +10,13 @@ use cutwater::mesh::generate::{BallOptions, half_ball, structured_box};
 use cutwater::mesh::nalgebra::Rotation3;
 use cutwater::mesh::{Point, Tensor, Vector, VertexId, det};
 use cutwater::solid_svk::energy::stresses;
-use cutwater::solid_svk::{LameParameters, Load, SaintVenantKirchhoff, Support, SupportKind};
+use cutwater::solid_svk::{Load, SaintVenantKirchhoff, Support, SupportKind};
 
-use super::dry::{Elastic, elastic, run};
+use super::dry::{Elastic, LAMBDA, LAME, MU, RADIUS, elastic, run};
 use super::record::worse;
 use super::signal::bisect;
 use super::{Failure, Record, short};
 
-/// Lamé parameter `μ` of the falling balls, dyn/cm².
-const MU: f64 = 2e6;
-/// Lamé parameter `λ` of the falling balls, dyn/cm².
-const LAMBDA: f64 = 8e6;
 /// Axial first Piola-Kirchhoff stress relative to the modulus of the state, for the stretches 0.8, 0.9, 1.05, 1.1 and
 /// 1.2.
 const LOADS: [f64; 5] = [-0.144, -0.0855, 0.053_812_5, 0.1155, 0.264];
@@ -32,8 +28,6 @@ const PRESSURES: [f64; 3] = [1e4, 1e5, 1e6];
 const ANGLE: f64 = 2.1;
 /// Number of steps of the rotation.
 const TURNS: u32 = 60;
-/// Radius of the disk, cm.
-const RADIUS: f64 = 4.0;
 /// Largest deviation relative to the exact values.
 const ROUND_OFF: f64 = 1e-9;
 
@@ -146,8 +140,7 @@ fn block<const D: usize>() -> Result<Elastic<D>, Failure> {
         // The sides stay where they are, bitwise.
         x + Vector::from_fn(|a, _| 0.3 * (1.0 + a as f64) * x.iter().map(|c| c * (1.0 - c)).product::<f64>())
     })?;
-    let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
-    elastic(mesh, 1.0, material, Vector::zeros(), Arc::new(QuasiStatic))
+    elastic(mesh, 1.0, SaintVenantKirchhoff::new(LAME), Vector::zeros(), Arc::new(QuasiStatic))
 }
 
 /// Advances a body from rest to time one. Returns the larger of two deviations: that of the displacement, relative to
@@ -161,9 +154,7 @@ fn deviation<const D: usize>(
 ) -> Result<f64, Failure> {
     let (solid, form) = (body.solid.clone(), body.form.clone());
     let mut run = run(vec![body], None, f64::from(steps).recip(), 1e-12)?;
-    for _ in 0..steps {
-        run.advance()?;
-    }
+    run.advance_by(steps)?;
     let found = run.state.bodies[0].displacement();
     let exact: Vec<_> = solid.nodes().iter().map(displacement).collect();
     let largest = exact.iter().map(Vector::norm).fold(0.0, f64::max);
@@ -212,8 +203,7 @@ fn disk(pressure: f64) -> Result<f64, Failure> {
     let heights = mesh.vertices().iter().enumerate().map(|(v, x)| (VertexId::new(v), x[1]));
     let lowest = heights.min_by(|a, b| a.1.total_cmp(&b.1)).ok_or("a disk without vertices")?.0;
     let fixed = mesh.vertex(lowest);
-    let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
-    let mut body = elastic(mesh, 1.0, material, Vector::zeros(), Arc::new(QuasiStatic))?;
+    let mut body = elastic(mesh, 1.0, SaintVenantKirchhoff::new(LAME), Vector::zeros(), Arc::new(QuasiStatic))?;
     body.hold("left", SupportKind::symmetry(0))?;
     body.options.supports.push(Support { vertices: vec![lowest], kind: SupportKind::symmetry(1) });
     pressed(body, &["surface"], pressure, &fixed)

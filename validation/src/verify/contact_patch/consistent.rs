@@ -9,11 +9,9 @@ use cutwater::mesh::{BodyId, FacetId};
 use cutwater::solid_svk::{LameParameters, LinearElastic, Load, Material, SaintVenantKirchhoff, SupportKind};
 use cutwater::solver::ContactObstacle;
 
-use super::super::dry::{Elastic, Touch, elastic, floor_by, pushed, run};
+use super::super::dry::{Elastic, GAMMA_0, Touch, elastic, floor_by, pushed, run};
 use super::super::{Failure, Record, V};
 
-/// Parameter of Nitsche's method: the default of scenarios, and a hundred times this value.
-const GAMMA_0: [f64; 2] = [10.0, 1000.0];
 // Tolerances of pressures, relative to the exact one, and of gaps, relative to the height of a block.
 const PRESSURE: f64 = 1e-9;
 const GAP: f64 = 1e-10;
@@ -58,10 +56,7 @@ fn record_pile(
 ) -> Result<(), Failure> {
     let offset = contact.form.law.offset();
     let mut run = run(bodies, Some(contact), f64::from(steps).recip(), 1e-13)?;
-    let mut report = run.advance()?;
-    for _ in 1..steps {
-        report = run.advance()?;
-    }
+    let report = run.advance_by(steps)?;
     let found = &report.contacts[0];
     let off = found.slave_pressures.iter().map(|(_, p)| (p / pressure - 1.0).abs()).fold(0.0, f64::max);
     let all = found.slave_pressures.len() == run.setup.contacts[0].facets().len();
