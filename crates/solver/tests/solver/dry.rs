@@ -5,18 +5,12 @@ use std::sync::Arc;
 use crate::fixture::*;
 use solid_svk::{LameParameters, LinearElastic, SolidForm, SupportKind};
 use solver::algebra::NewtonSettings;
-use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, QuasiStatic, TimeScheme};
+use solver::algebra::time::{ImplicitEuler, QuasiStatic};
 use solver::body::Balance;
 use solver::contact::{ContactForm, DeformableObstacle, NitscheLaw};
 use solver::mesh::BodyId;
 use solver::mesh::generate::structured_box;
 use solver::{Contact, ContactObstacle, Setup, State, StepReport};
-
-type Scheme = Arc<dyn TimeScheme>;
-
-fn second_order(rho_inf: f64) -> Scheme {
-    Arc::new(GeneralisedAlpha::new(rho_inf).expect("from 0 to 1"))
-}
 
 fn balance(setup: &Setup<2>, state: &State<2>, body: usize) -> Balance<2> {
     setup.bodies[body].balance(&state.bodies[body]).expect("an elastic body")

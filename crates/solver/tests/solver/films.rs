@@ -38,9 +38,7 @@ fn plates_with_ends<const D: usize>(
     let length = length::<D>();
     let of = |along: f64, across: f64| std::array::from_fn(|k| if k + 1 < D { along } else { across });
     let background = structured_box::<D>(of(0.0, -2.0), of(length, 3.0), of(length, 5.0).map(|n| n as usize));
-    let mut setup = setup(fluid(background.expect("a box"), 1e-9, 1.0), 1e3);
-    setup.scheme = Arc::new(solver::algebra::time::QuasiStatic);
-    fluid_of(&mut setup).convection = None;
+    let mut setup = with_films(background.expect("a box"));
     fluid_of(&mut setup).film = Some(film);
     let plate =
         |ends: [f64; 2], from, to| structured_box::<D>(of(ends[0], from), of(ends[1], to), [1; D]).expect("a plate");
@@ -56,40 +54,22 @@ fn on_all_sides<const D: usize>(setup: &mut Setup<D>, condition: impl Fn() -> Fl
     on_sides(setup, &["left", "right", "bottom", "top", "front", "back"][..2 * D], condition);
 }
 
-fn open<const D: usize>() -> FluidBoundary<D> {
-    FluidBoundary::Open { traction: None, backflow: false }
-}
-
-/// Returns the force of the fluid on the upper plate.
-fn force<const D: usize>(setup: &Setup<D>) -> Vector<D> {
-    let (state, reports) = run(setup, 1);
-    let pieces = wet(&state).cut.interface().iter().zip(&wet_report(&reports[0]).tractions);
-    pieces
-        .filter(|(piece, _)| piece.body.index() + 1 == setup.bodies.len())
-        .map(|(_, on)| on.total() * on.measure)
-        .sum()
-}
-
-/// Squeezes out a film and compares the force, over `μ L³ V/δ³` and the width in space, with that of Reynolds'
-/// equation.
-fn squeeze<const D: usize>(gap: f64, exact: f64, bound: f64) {
-    let mut down = Vector::zeros();
-    down[D - 1] = -1.0;
-    let mut setup = plates::<D>(gap, down, FilmSetup::default());
-    on_all_sides(&mut setup, open);
-    let found = force(&setup)[D - 1] * gap.powi(3) / length::<D>().powi(D as i32 + 1);
-    assert!((found / exact - 1.0).abs() < bound, "{D} axes, gap {gap}: {}", found / exact);
+/// Squeezes out a film. Returns the force over `μ L³ V/δ³` and the width in space.
+fn squeeze<const D: usize>(gap: f64) -> f64 {
+    let ends = [-1.0, length::<D>() + 1.0];
+    squeeze_between_edges::<D>(gap, MIDDLE, 0.0, ends) * ((ends[1] - ends[0]) / length::<D>()).powi(D as i32 + 1)
 }
 
 #[test]
 fn the_force_of_a_film_that_is_squeezed_out_is_that_of_reynolds() {
     // The wider films have two layers of cells.
     for gap in [0.15, 0.4, 1.0] {
-        squeeze::<2>(gap, 1.0, 0.01);
+        assert!((squeeze::<2>(gap) - 1.0).abs() < 0.01, "gap {gap}: {}", squeeze::<2>(gap));
     }
     // A square: 12 times the mean of u with -Δu = 1 on the unit square, which linear functions on 8 × 8 squares, equal
     // to the five-point formula, have as 0.951 of 1 - 192/π⁵ Σ tanh((2k + 1) π/2)/(2k + 1)⁵ = 0.4217.
-    squeeze::<3>(0.15, 0.951 * 0.4217, 0.02);
+    let in_space = squeeze::<3>(0.15) / (0.951 * 0.4217);
+    assert!((in_space - 1.0).abs() < 0.02, "{in_space}");
 }
 
 #[test]
@@ -100,10 +80,7 @@ fn films_of_two_layers_do_not_resist_more() {
         let (cells, gap) = (10, 0.1);
         let length = cells as f64;
         let background = structured_box::<2>([0.0, -1.0], [length, 3.0], [cells, 4]).expect("a box");
-        let mut setup = setup(fluid(background, 1e-9, 1.0), 1e3);
-        setup.scheme = Arc::new(solver::algebra::time::QuasiStatic);
-        fluid_of(&mut setup).convection = None;
-        fluid_of(&mut setup).film = Some(FilmSetup::default());
+        let mut setup = with_films(background);
         let (from, to) = (1.0 - 0.5 * gap, 1.0 + 0.5 * gap);
         for (heights, velocity) in [([-0.5, from], 0.0), ([to, 2.5], -1.0)] {
             let plate = structured_box::<2>([-1.0, heights[0]], [length + 1.0, heights[1]], [facets, 1]);
@@ -158,10 +135,7 @@ fn fluid_in_a_corner_between_two_films_is_not_open() {
     // leaves upwards. The pressure at the corner is that of the flux along the clearance.
     for (gap, clearance) in [(0.1_f64, 0.1_f64), (0.1, 0.2), (0.2, 0.2)] {
         let background = structured_box::<2>([0.0; 2], [12.0; 2], [12, 12]).expect("a box");
-        let mut setup = setup(fluid(background, 1e-9, 1.0), 1e3);
-        setup.scheme = Arc::new(solver::algebra::time::QuasiStatic);
-        fluid_of(&mut setup).convection = None;
-        fluid_of(&mut setup).film = Some(FilmSetup::default());
+        let mut setup = with_films(background);
         on_sides(&mut setup, &["left"], || FluidBoundary::symmetry(0));
         on_sides(&mut setup, &["right", "bottom"], || FluidBoundary::NoSlip);
         on_sides(&mut setup, &["top"], open);
@@ -180,10 +154,7 @@ fn a_part_past_the_edge_is_no_film() {
     // A triangle in front of the left edge: the direction from the edge to its middle and the normal of the plate
     // enclose less than 60 degrees.
     let background = structured_box::<2>([0.0; 2], [18.0, 8.0], [18, 8]).expect("a box");
-    let mut setup = setup(fluid(background, 1e-9, 1.0), 1e3);
-    setup.scheme = Arc::new(solver::algebra::time::QuasiStatic);
-    fluid_of(&mut setup).convection = None;
-    fluid_of(&mut setup).film = Some(FilmSetup::default());
+    let mut setup = with_films(background);
     on_sides(&mut setup, &["left", "right", "top"], open);
     on_sides(&mut setup, &["bottom"], || FluidBoundary::NoSlip);
     let gap = 0.5;
@@ -197,10 +168,7 @@ fn a_part_past_the_edge_is_no_film() {
 fn leak(length: f64, gap: f64, begins: f64) -> f64 {
     const PRESSURE: f64 = 3.0;
     let background = structured_box::<2>([0.0; 2], [20.0, 8.0], [20, 8]).expect("a box");
-    let mut setup = setup(fluid(background, 1e-9, 1.0), 1e3);
-    setup.scheme = Arc::new(solver::algebra::time::QuasiStatic);
-    fluid_of(&mut setup).convection = None;
-    fluid_of(&mut setup).film = Some(FilmSetup::default());
+    let mut setup = with_films(background);
     on_sides(&mut setup, &["bottom", "top"], || FluidBoundary::NoSlip);
     on_sides(&mut setup, &["right"], open);
     on_sides(&mut setup, &["left"], || FluidBoundary::Open {
@@ -237,20 +205,14 @@ fn the_force_on_disks_is_that_of_reynolds() {
     const RADIUS: usize = 20;
     let background = structured_box::<2>([0.0, 0.0], [RADIUS as f64, 4.0], [RADIUS, 4]).expect("a box");
     let around_axis = |mesh: SimplexMesh<2>| mesh.with_coordinates(Coordinates::Axisymmetric).expect("radii");
-    let mut setup = setup(fluid(around_axis(background), 1e-9, 1.0), 1e3);
-    setup.scheme = Arc::new(solver::algebra::time::QuasiStatic);
-    fluid_of(&mut setup).convection = None;
-    fluid_of(&mut setup).film = Some(FilmSetup::default());
+    let mut setup = with_films(around_axis(background));
     on_sides(&mut setup, &["left"], || FluidBoundary::symmetry(0));
     on_sides(&mut setup, &["bottom"], || FluidBoundary::NoSlip);
     on_sides(&mut setup, &["right", "top"], open);
     let plate = structured_box::<2>([0.0, 1.0], [RADIUS as f64 + 1.0, 2.0], [1, 1]).expect("a plate");
     setup.bodies.push(prescribed(&around_axis(plate), |x, _| *x, |_, _| V::new(0.0, -1.0)));
-    let (state, reports) = run(&setup, 1);
-    let pieces = wet(&state).cut.interface().iter().zip(&wet_report(&reports[0]).tractions);
-    let force: f64 = pieces.map(|(_, on)| on.total()[1] * on.measure).sum();
-    let exact = 1.5 * PI * (RADIUS as f64).powi(4);
-    assert!((force / exact - 1.0).abs() < 0.02, "{}", force / exact);
+    let ratio = force(&setup)[1] / (1.5 * PI * (RADIUS as f64).powi(4));
+    assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
 }
 
 #[test]
@@ -469,10 +431,8 @@ fn films_that_reach_past_a_line_of_the_mesh_by_a_sliver_have_the_force_of_reynol
     // moments.
     for above in [0.0, 1e-14, 1e-12, 1e-9, 1e-7, 1e-5, 1e-4, 1e-3] {
         let gap = 0.2 + 2.0 * above;
-        let plane = squeeze_between_edges::<2>(gap, MIDDLE, 0.0, [-1.0, 41.0]) * (42.0_f64 / 40.0).powi(3);
+        let (plane, in_space) = (squeeze::<2>(gap), squeeze::<3>(gap) / (0.951 * 0.4217));
         assert!((plane - 1.0).abs() < 0.005, "{above:e} above: {plane}");
-        let in_space =
-            squeeze_between_edges::<3>(gap, MIDDLE, 0.0, [-1.0, 9.0]) * (10.0_f64 / 8.0).powi(4) / (0.951 * 0.4217);
         assert!((in_space - 1.0).abs() < 0.015, "{above:e} above: {in_space}");
         // Asperities fill slivers, and not the film.
         for roughness in [0.0, 1e-6, 1e-3, 0.1] {

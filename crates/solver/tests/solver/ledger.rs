@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::fixture::*;
 use solid_svk::Load;
-use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, TimeScheme};
+use solver::algebra::time::ImplicitEuler;
 use solver::algebra::{NewtonSettings, Workspace};
 use solver::contact::{CollisionLaw, ContactForm};
 use solver::mesh::BodyId;
@@ -40,9 +40,7 @@ fn a_ball_that_hits_the_ground_in_a_fluid() {
         let mut setup = falling_ball_with(0.9, 0.3, 0.25, false, |ball| {
             ball.options.initial_velocity = Some(Arc::new(move |_| V::new(0.0, speed)));
         });
-        if let Some(rho_inf) = rho_inf {
-            setup.scheme = Arc::new(GeneralisedAlpha::new(rho_inf).expect("a radius"));
-        }
+        setup.scheme = rho_inf.map_or(setup.scheme, second_order);
         fluid_of(&mut setup).stabilisation = set;
         fluid_of(&mut setup).convection = Some(solver::ConvectionForm::Skew);
         let (_, reports) = run(&setup, n);
@@ -79,9 +77,7 @@ fn a_ball_that_hits_the_ground_in_a_fluid() {
 fn a_ball_of_quadratic_elements_that_hits_the_ground_in_a_fluid() {
     for rho_inf in [None, Some(0.8)] {
         let mut setup = falling_round_ball(0.9, 0.3, 0.25, -30.0);
-        if let Some(rho_inf) = rho_inf {
-            setup.scheme = Arc::new(GeneralisedAlpha::new(rho_inf).expect("a radius"));
-        }
+        setup.scheme = rho_inf.map_or(setup.scheme, second_order);
         fluid_of(&mut setup).stabilisation = Stabilisation::STANDARD;
         let (_, reports) = run(&setup, 16);
         assert!(reports.iter().any(|report| report.contacts[0].is_active()));
@@ -92,9 +88,7 @@ fn a_ball_of_quadratic_elements_that_hits_the_ground_in_a_fluid() {
 /// Its step is solved again to a smaller tolerance, and the ledger is that of the second solution.
 #[test]
 fn a_disk_that_collides_with_the_ground_in_a_fluid() {
-    for scheme in
-        [Arc::new(ImplicitEuler) as Arc<dyn TimeScheme>, Arc::new(GeneralisedAlpha::new(0.5).expect("a radius"))]
-    {
+    for scheme in [Arc::new(ImplicitEuler) as Scheme, second_order(0.5)] {
         let background = graded_box::<2>([0.0, 0.0], [2.0, 2.0], &Size::uniform(0.15)).expect("a box");
         let mut setup = setup(fluid(background, 1.0, 0.05), 5e-3);
         (setup.scheme, setup.newton) = (scheme, NewtonSettings::new(1e-4));
@@ -164,7 +158,7 @@ fn the_scheme_takes_energy_from_a_rigid_body_by_its_formula() {
     let (mass, facets) = (body.mass, body.boundary.facets().collect());
     let inertia = mass.inertia(&solver::mesh::Tensor::identity())[0][0];
     let mut setup = dry(vec![Arc::new(body)], 2e-3);
-    setup.scheme = Arc::new(GeneralisedAlpha::new(rho_inf).expect("a radius"));
+    setup.scheme = second_order(rho_inf);
     setup.contacts.push(contact_of(&setup.bodies, 0, facets, (1e4, 0.0, 0.1), ground()));
     let (mut state, mut work) = (State::initial(&setup).expect("a body"), Workspace::new());
     let mut largest = 0.0_f64;
@@ -225,16 +219,13 @@ fn the_lines_contain_every_field() {
 fn a_moving_floor_works_on_the_body_that_it_lifts() {
     // The floor moves up with speed 2 and throws a block of mass 3. With generalised-α the law does not act at the
     // velocity of the stage, and its power differs from the change of its energy by 2e-5 of the energy at most.
-    let second_order = GeneralisedAlpha::new(0.5).expect("from 0 to 1");
-    for (scheme, most) in [(None, 1e-9), (Some(second_order), 1e-3)] {
+    for (scheme, most) in [(Arc::new(ImplicitEuler) as Scheme, 1e-9), (second_order(0.5), 1e-3)] {
         let speed = 2.0;
         let floor = structured_box::<2>([-1.0, -1.0], [2.0, 0.0], [3, 1]).expect("a box");
         let block = structured_box::<2>([0.0, 0.0], [1.0, 1.0], [2, 2]).expect("a box");
         let floor = prescribed(&floor, move |x, t| x + V::new(0.0, speed * t), move |_, _| V::new(0.0, speed));
-        let mut setup = dry(vec![floor, Arc::new(rigid("block", &block, 3.0, V::zeros()))], 1e-3);
-        if let Some(scheme) = scheme {
-            setup.scheme = Arc::new(scheme);
-        }
+        let block = rigid("block", &block, 3.0, V::zeros());
+        let mut setup = Setup { scheme, ..dry(vec![floor, Arc::new(block)], 1e-3) };
         let obstacle = against(0, &setup.bodies);
         setup.contacts.push(contact(&setup.bodies, 1, (1e3, 0.0, 1.0), obstacle));
         let (_, reports) = run(&setup, 200);

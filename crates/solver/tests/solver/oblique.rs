@@ -4,15 +4,14 @@ use std::sync::Arc;
 
 use crate::fixture::*;
 use solid_svk::SupportKind;
-use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, TimeScheme};
+use solver::algebra::time::ImplicitEuler;
 use solver::mesh::generate::{BallOptions, Size, graded_box, half_ball, structured_box};
 use solver::mesh::nalgebra::{Rotation2, Rotation3, Vector3};
 use solver::mesh::{SimplexMesh, Tensor, Vector};
 use solver::{FluidBoundary, State, StepReport};
 
 /// Time schemes.
-const SCHEMES: [fn() -> Arc<dyn TimeScheme>; 2] =
-    [|| Arc::new(ImplicitEuler), || Arc::new(GeneralisedAlpha::new(0.5).expect("a scheme"))];
+const SCHEMES: [fn() -> Scheme; 2] = [|| Arc::new(ImplicitEuler), || second_order(0.5)];
 
 /// Largest difference of a turned flow, relative to values of order one.
 const SAME: f64 = 1e-10;
@@ -38,7 +37,7 @@ fn check_ledgers(reports: &[StepReport<2>]) {
 /// Returns the flow around an elastic disk, which begins with a velocity across the lines of symmetry.
 ///
 /// Two lines of symmetry, a line that the flow crosses at right angles, and a moving wall meet in corners.
-fn with_disk(turn: Tensor<2>, scheme: Arc<dyn TimeScheme>) -> State<2> {
+fn with_disk(turn: Tensor<2>, scheme: Scheme) -> State<2> {
     let background = graded_box::<2>([0.0, 0.0], [2.0, 1.5], &Size::uniform(0.2)).expect("a box");
     let mut setup = setup(fluid(turned(&background, turn), 1.2, 0.1), 0.02);
     setup.scheme = scheme;
@@ -99,7 +98,7 @@ fn a_turned_problem_has_the_turned_solution() {
 }
 
 /// Checks fluid at rest on a plane without friction, under a weight across it, in the plane and in space.
-fn rests_on_a_plane_of_symmetry<const D: usize>(turn: Tensor<D>, scheme: Arc<dyn TimeScheme>) {
+fn rests_on_a_plane_of_symmetry<const D: usize>(turn: Tensor<D>, scheme: Scheme) {
     let background = structured_box::<D>([0.0; D], [1.0; D], [3; D]).expect("a box");
     let up: Vector<D> = turn.column(D - 1).into_owned();
     let mut setup = setup(fluid(turned(&background, turn), 2.0, 1e-3), 0.1);
@@ -155,7 +154,7 @@ fn a_difference_of_pressure_accelerates_the_fluid_between_planes_of_symmetry() {
 }
 
 /// Returns an elastic half disk in vacuum that falls along its line of symmetry, pulled away from it.
-fn half_disk(turn: Tensor<2>, scheme: Arc<dyn TimeScheme>) -> State<2> {
+fn half_disk(turn: Tensor<2>, scheme: Scheme) -> State<2> {
     let options = BallOptions { area_preserving: false };
     let mesh = half_ball::<2>([0.0, 0.7], 0.35, 0.15, &options).expect("a half disk");
     let mut disk = elastic("disk", turned(&mesh, turn), 2.0, 50.0, 100.0, turn * V::new(4.0, -1.0));

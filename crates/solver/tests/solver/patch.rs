@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::fixture::*;
 use solid_svk::{Order, SolidMesh, Support, SupportKind};
-use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, QuasiStatic, TimeScheme};
+use solver::algebra::time::{ImplicitEuler, QuasiStatic};
 use solver::cutcell::{CutMesh, OverlayOptions};
 use solver::mesh::generate::{Size, graded_box, structured_box};
 use solver::mesh::{Aabb, Placed, SimplexMesh, Vector, VertexId};
@@ -119,7 +119,7 @@ fn uniform_pressure_around_an_elastic_brick_of_either_order() {
         body.solid = SolidMesh::of_order(mesh, order).expect("a mesh");
         body.options.initial_displacement = Some(Arc::new(move |x| x * (s - 1.0)));
         setup.bodies.push(body.body());
-        for scheme in [Arc::new(ImplicitEuler) as Arc<dyn TimeScheme>, Arc::new(QuasiStatic)] {
+        for scheme in [Arc::new(ImplicitEuler) as Scheme, Arc::new(QuasiStatic)] {
             setup.scheme = scheme;
             let (state, _) = run(&setup, 1);
             let v = state.bodies[0].velocity().iter().map(|v| v.norm()).fold(0.0, f64::max);
@@ -151,7 +151,7 @@ fn fluid_at_rest_carries_a_neutral_body_of_curved_elements() {
     fluid_of(&mut setup).body_force = Some(Arc::new(move |_, _| gravity));
     on_sides(&mut setup, &SIDES, || FluidBoundary::NoSlip);
     setup.bodies.push(body.body());
-    setup.scheme = Arc::new(GeneralisedAlpha::new(0.0).expect("a scheme"));
+    setup.scheme = second_order(0.0);
     let (state, _) = run(&setup, 5);
     let balance = setup.bodies[0].balance(&state.bodies[0]).expect("a mass");
     let velocity = balance.momentum / balance.mass;
@@ -339,7 +339,7 @@ fn uncovered_fluid_continues_an_affine_flow() {
     let jump = V::new(0.05, 0.2);
     let mut setup = setup(fluid(background(), 1.0, 0.1), 0.05);
     fluid_of(&mut setup).initial_velocity = Some(Arc::new(u));
-    on_sides(&mut setup, &SIDES, || FluidBoundary::Open { traction: None, backflow: false });
+    on_sides(&mut setup, &SIDES, open);
     for (centre, radius) in [([0.5, 0.5], 0.3), ([1.5, 0.5], 0.25)] {
         let mut body = elastic("disk", disk(centre, radius, 0.08), 1.0, 2e3, 8e3, V::zeros());
         body.options.initial_velocity = Some(Arc::new(move |x| u(&(x + jump))));

@@ -2,7 +2,6 @@
 
 use crate::fixture::*;
 use solid_svk::SupportKind;
-use solver::algebra::time::GeneralisedAlpha;
 use solver::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
 use solver::mesh::generate::structured_box;
 use solver::{Error, Observer, ObserverError, Setup, State, StepView, Substep, TimeLoop, advance};
@@ -140,7 +139,7 @@ fn divided_steps_are_of_second_order() {
     let background = structured_box::<2>([0.0, 0.0], [2.0, 2.0], [8, 8]).expect("a box");
     // In a light fluid the weight of the penalty of the pressure hardly depends on the step.
     let mut setup = setup(fluid(background, 1e-6, 1.0), 5e-4);
-    setup.scheme = std::sync::Arc::new(GeneralisedAlpha::new(0.0).expect("a radius"));
+    setup.scheme = second_order(0.0);
     setup.newton = NewtonSettings::new(1e-11);
     on_sides(&mut setup, &["bottom", "left", "right", "top"], || solver::FluidBoundary::NoSlip);
     let block = structured_box::<2>([0.72, 0.81], [1.19, 1.27], [1, 1]).expect("a box");

@@ -1,10 +1,7 @@
 //! Every contribution of the coupled problem against finite differences, at random states.
 
-use std::sync::Arc;
-
 use crate::fixture::*;
 use solver::algebra::for_each_residual;
-use solver::algebra::time::GeneralisedAlpha;
 use solver::contact::StressSource;
 use solver::mesh::Vector;
 use solver::mesh::generate::structured_box;
@@ -28,7 +25,7 @@ fn tangents_of_a_ball_of_quadratic_elements_are_exact() {
     let mut names = check_tangents(&setup, 3.0);
     contact_with_stress(&mut setup, 0, StressSource::Solid);
     names.extend(check_tangents(&setup, 3.0));
-    setup.scheme = Arc::new(GeneralisedAlpha::new(0.2).expect("a scheme"));
+    setup.scheme = second_order(0.2);
     contact_with_stress(&mut setup, 0, StressSource::Jump);
     names.extend(check_tangents(&setup, 3.0));
     let expected = ["solid inertia and body force", "solid internal work", "interface", "contact", "moved surface"];
