@@ -2,6 +2,7 @@
 
 use crate::setting::*;
 use algebra::{BlockLayout, Constraints};
+use io::Error;
 use io::scenario::Case;
 use mesh::{Placed, Point, Vector};
 use solver::algebra::time::ImplicitEuler;
@@ -186,7 +187,7 @@ fn a_closed_domain_takes_in_as_much_as_it_gives() {
     let read_with = |left: &str, right: &str, motion: &str| {
         let sets = sides(left, right);
         let sets: Vec<&str> = sets.iter().map(String::as_str).chain([motion]).collect();
-        parse(CHANNEL, &[&COARSE_CHANNEL, &sets]).and_then(|file| io::sizes(&file).map(|_| ()))
+        parse(CHANNEL, &[&COARSE_CHANNEL, &sets]).and_then(|file| io::sizes(&file))
     };
     let read = |left: &str, right: &str| read_with(left, right, "body.0.motion={ kind = \"fixed\" }");
     let inflow = "\"6*y*(0.41-y)/0.41^2\"";
@@ -202,29 +203,48 @@ fn a_closed_domain_takes_in_as_much_as_it_gives() {
     }
 }
 
+const WALL: &str = "\"no-slip\"";
+const FREE: &str = "\"free\"";
+const SYMMETRY: &str = "\"symmetry\"";
+
+/// Builds a fluid and bodies, given by the text of their tables.
+fn built(tables: &str) -> Result<io::Sizes, Error> {
+    let head = "name = \"fluid\"\ndimension = 2\nunits = \"si\"\ntime = { step = 0.1, end = 1 }\nfluid = { density = 1, viscosity = 1 }\n";
+    parse(&format!("{head}{tables}"), &[]).and_then(|file| io::sizes(&file))
+}
+
+/// Returns a square background with conditions on its left, right, lower and upper side.
+fn square([left, right, bottom, top]: [&str; 4]) -> String {
+    format!(
+        "[background]\nkind = \"graded-box\"\nmin = [0, 0]\nmax = [4, 4]\nsize = 0.5\n\
+         boundary = {{ left = {left}, right = {right}, bottom = {bottom}, top = {top} }}\n"
+    )
+}
+
+/// Builds a block in a square of fluid.
+fn in_square(sides: [&str; 4], shape: &str, block: &str) -> Result<io::Sizes, Error> {
+    let shape = format!("shape = {{ kind = \"box\", {shape} }}");
+    built(&format!("{}[[body]]\nname = \"block\"\n{shape}\n{block}\n", square(sides)))
+}
+
 /// A block whose free surface lies in the domain would be compressed.
 #[test]
 fn a_closed_domain_with_an_elastic_body_takes_in_no_more_than_it_gives() {
+    let inflow = "{ kind = \"velocity\", value = [\"y*(4 - y)\", 0] }";
     let with = |min: &str, motion: &str, right: &str| {
-        let text = format!(
-            "name = \"closed\"\ndimension = 2\nunits = \"si\"\ntime = {{ step = 0.1, end = 1 }}\nfluid = {{ density = 1, viscosity = 1 }}\n\
-             [background]\nkind = \"graded-box\"\nmin = [0, 0]\nmax = [4, 4]\nsize = 1\n\
-             boundary = {{ left = {{ kind = \"velocity\", value = [\"y*(4 - y)\", 0] }}, right = {right}, bottom = \"no-slip\", top = \"no-slip\" }}\n\
-             [[body]]\nname = \"block\"\nshape = {{ kind = \"box\", min = {min}, max = [3, 3], n = [2, 4] }}\n{motion}\n"
-        );
-        parse(&text, &[]).and_then(|file| io::sizes(&file).map(|_| ()))
+        in_square([inflow, right, WALL, WALL], &format!("min = {min}, max = [3, 3], n = [2, 4]"), motion)
     };
     let elastic = "material = { kind = \"linear\", young = 100, poisson = 0.3 }\ndensity = 1\ngravity = [0, 0]\n";
     let clamped = format!("{elastic}boundary = {{ bottom = \"clamped\" }}");
     let moved = format!("{elastic}boundary = {{ bottom = {{ kind = \"displacement\", value = [0, \"-0.1*t\"] }} }}");
     for (min, motion) in [("[1, 1]", elastic), ("[1, 1]", &clamped), ("[1, 0]", &clamped)] {
-        let error = with(min, motion, "\"no-slip\"").expect_err("a closed domain").to_string();
+        let error = with(min, motion, WALL).expect_err("a closed domain").to_string();
         assert!(error.contains("no side is open") && error.contains("background.boundary"), "{error}");
-        with(min, motion, "\"free\"").expect("an open side");
+        with(min, motion, FREE).expect("an open side");
     }
     // These may leave the domain.
     for (min, motion) in [("[1, 0]", elastic), ("[1, -1]", &clamped), ("[1, 0]", &moved)] {
-        with(min, motion, "\"no-slip\"").expect("a body that may make room");
+        with(min, motion, WALL).expect("a body that may make room");
     }
 }
 
@@ -232,45 +252,38 @@ fn a_closed_domain_with_an_elastic_body_takes_in_no_more_than_it_gives() {
 #[test]
 fn a_given_motion_into_a_closed_domain_is_refused() {
     let with = |right: &str, motion: &str, more: &str| {
-        let text = format!(
-            "name = \"closed\"\ndimension = 2\nunits = \"si\"\ntime = {{ step = 0.1, end = 1 }}\nfluid = {{ density = 1, viscosity = 1 }}\n\
-             [background]\nkind = \"graded-box\"\nmin = [0, 0]\nmax = [4, 4]\nsize = 0.5\n\
-             boundary = {{ left = \"no-slip\", right = \"{right}\", bottom = \"no-slip\", top = \"no-slip\" }}\n\
-             [[body]]\nname = \"piston\"\nshape = {{ kind = \"box\", min = [-1, 1], max = [1, 3], n = [2, 2] }}\nmotion = {motion}\n{more}"
-        );
-        parse(&text, &[]).and_then(|file| io::sizes(&file).map(|_| ()))
+        in_square(
+            [WALL, right, WALL, WALL],
+            "min = [-1, 1], max = [1, 3], n = [2, 2]",
+            &format!("motion = {motion}\n{more}"),
+        )
     };
     let moving = |x: &str, y: &str| format!("{{ kind = \"formula\", displacement = [\"{x}\", \"{y}\"] }}");
-    let error = with("no-slip", &moving("0.5*t", "0"), "").expect_err("no room").to_string();
-    let words = ["body.0.motion", "no side is open", "`piston`", "at the time 3.444e-2", "3.444e-2 more of the domain"];
+    let error = with(WALL, &moving("0.5*t", "0"), "").expect_err("no room").to_string();
+    let words = ["body.0.motion", "no side is open", "`block`", "at the time 3.444e-2", "3.444e-2 more of the domain"];
     assert!(words.iter().all(|word| error.contains(word)), "{error}");
-    with("free", &moving("0.5*t", "0"), "").expect("an open side");
+    with(FREE, &moving("0.5*t", "0"), "").expect("an open side");
     // Along the wall, inside, and together with a second piston that makes room, or may make room.
-    with("no-slip", &moving("0", "0.5*t"), "").expect("the same volume");
-    with("no-slip", &moving("2 + 0.5*t", "0"), "").expect("inside");
+    with(WALL, &moving("0", "0.5*t"), "").expect("the same volume");
+    with(WALL, &moving("2 + 0.5*t", "0"), "").expect("inside");
     let other = "[[body]]\nname = \"other\"\nshape = { kind = \"box\", min = [3, 1], max = [5, 3], n = [2, 2] }\n";
     let leaves = format!("{other}motion = {}", moving("0.5*t", "0"));
-    with("no-slip", &moving("0.5*t", "0"), &leaves).expect("as much in as out");
+    with(WALL, &moving("0.5*t", "0"), &leaves).expect("as much in as out");
     let free = format!("{other}motion = {{ kind = \"free\" }}\ndensity = 1\ngravity = [0, 0]");
-    with("no-slip", &moving("0.5*t", "0"), &free).expect("a free piston");
+    with(WALL, &moving("0.5*t", "0"), &free).expect("a free piston");
 }
 
 /// An elastic box next to a plane of symmetry, which a condition, a contact with the plane or a wall on it holds.
 #[test]
 fn a_part_on_a_plane_of_symmetry_is_held() {
+    let material = "material = { kind = \"neo-hookean\", mu = 100, lambda = 100 }\ndensity = 1\ngravity = [0, 0]";
     let with = |boundary: &str, contact: &str, corner: &str| {
-        let text = format!(
-            "name = \"half\"\ndimension = 2\nunits = \"si\"\ntime = {{ step = 0.1, end = 1 }}\nfluid = {{ density = 1, viscosity = 1 }}\n\
-             [background]\nkind = \"graded-box\"\nmin = [0, 0]\nmax = [4, 4]\nsize = 0.5\n\
-             boundary = {{ left = \"symmetry\", right = \"free\", bottom = \"no-slip\", top = \"no-slip\" }}\n\
-             [[body]]\nname = \"box\"\nshape = {{ kind = \"box\", min = {corner}, max = [1, 2], n = [2, 2] }}\n\
-             material = {{ kind = \"neo-hookean\", mu = 100, lambda = 100 }}\ndensity = 1\ngravity = [0, 0]\n{boundary}\n{contact}"
-        );
-        parse(&text, &[]).and_then(|file| io::sizes(&file).map(|_| ()))
+        let block = format!("{material}\n{boundary}\n{contact}");
+        in_square([SYMMETRY, FREE, WALL, WALL], &format!("min = {corner}, max = [1, 2], n = [2, 2]"), &block)
     };
     let contact = |obstacle: &str| {
         let law = "law = { kind = \"penalty\", gamma_contact_0 = 1e3 }\nsize = 0.1\noffset = 0.0";
-        format!("[[contact]]\nbody = \"box\"\nobstacle = {obstacle}\n{law}\n")
+        format!("[[contact]]\nbody = \"block\"\nobstacle = {obstacle}\n{law}\n")
     };
     let plane = |normal: &str| contact(&format!("{{ kind = \"rigid-plane\", point = [0, 0], normal = {normal} }}"));
     for loose in [String::new(), plane("[0, -1]"), contact("{ kind = \"wall\", parts = [\"bottom\"] }")] {
@@ -288,14 +301,12 @@ fn a_part_on_a_plane_of_symmetry_is_held() {
 #[test]
 fn a_plane_of_symmetry_ends_with_its_side() {
     let with = |corners: &str| {
-        let text = format!(
-            "name = \"step\"\ndimension = 2\nunits = \"si\"\ntime = {{ step = 0.1, end = 1 }}\nfluid = {{ density = 1, viscosity = 1 }}\n\
-             [background]\nkind = \"polygon\"\ncorners = [[0, 0], [4, 0], [4, 4], [2, 4], [2, 2], [0, 2]]\nsize = 0.3\n\
+        built(&format!(
+            "[background]\nkind = \"polygon\"\ncorners = [[0, 0], [4, 0], [4, 4], [2, 4], [2, 2], [0, 2]]\nsize = 0.3\n\
              boundary = {{ side-1 = \"no-slip\", side-2 = \"free\", side-3 = \"no-slip\", side-4 = \"no-slip\", side-5 = \"symmetry\", \
              side-6 = \"no-slip\" }}\n[[body]]\nname = \"box\"\nshape = {{ kind = \"box\", {corners}, n = [2, 2] }}\n\
              material = {{ kind = \"neo-hookean\", mu = 100, lambda = 100 }}\ndensity = 1\ngravity = [0, 0]\n"
-        );
-        parse(&text, &[]).and_then(|file| io::sizes(&file).map(|_| ()))
+        ))
     };
     with("min = [2.5, 1], max = [3.5, 2]").expect("a box away from the side");
     assert!(with("min = [0.5, 1], max = [1.5, 2]").is_err());
@@ -305,24 +316,21 @@ fn a_plane_of_symmetry_ends_with_its_side() {
 #[test]
 fn a_rod_does_not_enter_a_closed_cylinder() {
     let with = |right: &str, y: &str| {
-        let text = format!(
-            "name = \"cylinder\"\ndimension = 2\ncoordinates = \"axisymmetric\"\nunits = \"si\"\ntime = {{ step = 0.1, end = 1 }}\n\
-             fluid = {{ density = 1, viscosity = 1 }}\n[background]\nkind = \"graded-box\"\nmin = [0, 0]\nmax = [4, 4]\nsize = 0.5\n\
-             boundary = {{ left = \"symmetry\", right = \"{right}\", bottom = \"no-slip\", top = \"no-slip\" }}\n\
-             [[body]]\nname = \"rod\"\nshape = {{ kind = \"box\", min = [0, 3], max = [1, 5], n = [2, 2] }}\n\
+        let fluid = square([SYMMETRY, right, WALL, WALL]);
+        built(&format!(
+            "coordinates = \"axisymmetric\"\n{fluid}[[body]]\nname = \"rod\"\nshape = {{ kind = \"box\", min = [0, 3], max = [1, 5], n = [2, 2] }}\n\
              motion = {{ kind = \"formula\", displacement = [0, \"{y}\"] }}\n"
-        );
-        parse(&text, &[]).and_then(|file| io::sizes(&file).map(|_| ()))
+        ))
     };
     // The volume π 1² 0.5 t.
-    let error = with("no-slip", "-0.5*t").expect_err("no room").to_string();
+    let error = with(WALL, "-0.5*t").expect_err("no room").to_string();
     let words = ["body.0.motion", "no side is open", "`rod`", "at the time 3.444e-2", "5.410e-2 more of the domain"];
     assert!(words.iter().all(|word| error.contains(word)), "{error}");
-    with("free", "-0.5*t").expect("an open side");
-    with("no-slip", "-1.5 - 0.5*t").expect("inside");
+    with(FREE, "-0.5*t").expect("an open side");
+    with(WALL, "-1.5 - 0.5*t").expect("inside");
     let ball = "-0.5*t\"] }\n[[body]]\nname = \"ball\"\nmotion = \"fixed\"\n\
                 shape = { kind = \"half-ball\", centre = [0, 1], radius = 0.5, size = 0.25 } #";
-    assert!(with("no-slip", ball).expect_err("no room").to_string().contains("no side is open"));
+    assert!(with(WALL, ball).expect_err("no room").to_string().contains("no side is open"));
 }
 
 #[test]
@@ -515,13 +523,8 @@ vtk_every = 0
 #[test]
 fn bodies_reach_through_a_plane_of_symmetry_only_where_they_are_clamped() {
     let with = |body: &str| {
-        let text = format!(
-            "name = \"leaf\"\ndimension = 2\nunits = \"si\"\ntime = {{ step = 0.1, end = 1 }}\nfluid = {{ density = 1, viscosity = 1 }}\n\
-             [background]\nkind = \"graded-box\"\nmin = [0, 0]\nmax = [4, 4]\nsize = 0.5\n\
-             boundary = {{ left = \"no-slip\", right = \"free\", bottom = \"symmetry\", top = \"no-slip\" }}\n\
-             [[body]]\nname = \"leaf\"\ndensity = 1\ngravity = [0, 0]\n{body}\n"
-        );
-        parse(&text, &[]).and_then(|file| io::sizes(&file).map(|_| ()))
+        let fluid = square([WALL, FREE, SYMMETRY, WALL]);
+        built(&format!("{fluid}[[body]]\nname = \"leaf\"\ndensity = 1\ngravity = [0, 0]\n{body}\n"))
     };
     let leaf = |from: f64, n: usize, bottom: &str| {
         with(&format!(
@@ -530,7 +533,7 @@ fn bodies_reach_through_a_plane_of_symmetry_only_where_they_are_clamped() {
     };
     let clamped = "boundary = { bottom = \"clamped\" }";
     leaf(-0.15, 1, clamped).expect("a root");
-    let through = |found: Result<(), io::Error>| {
+    let through = |found: Result<io::Sizes, Error>| {
         check_words(&found.expect_err("a body across").to_string(), &["body.0.shape", "crosses a plane of symmetry"])
     };
     through(leaf(-0.15, 1, ""));
@@ -551,14 +554,12 @@ fn bodies_reach_through_a_plane_of_symmetry_only_where_they_are_clamped() {
 #[test]
 fn the_outside_of_a_plane_of_symmetry_is_that_of_its_side() {
     let leaf = |boundary: &str| {
-        let text = format!(
-            "name = \"leaf\"\ndimension = 2\nunits = \"si\"\ntime = {{ step = 0.1, end = 1 }}\nfluid = {{ density = 1, viscosity = 1 }}\n\
-             [background]\nkind = \"polygon\"\nsize = 0.5\ncorners = [[0, 0], [4, 0], [4, 10], [2, 10], [2, 2], [0, 2]]\n[background.boundary]\n\
+        built(&format!(
+            "[background]\nkind = \"polygon\"\nsize = 0.5\ncorners = [[0, 0], [4, 0], [4, 10], [2, 10], [2, 2], [0, 2]]\n[background.boundary]\n\
              side-1 = \"no-slip\"\nside-2 = \"no-slip\"\nside-3 = \"free\"\nside-4 = \"no-slip\"\nside-5 = \"symmetry\"\nside-6 = \"no-slip\"\n\
              [[body]]\nname = \"leaf\"\ndensity = 1\ngravity = [0, 0]\nshape = {{ kind = \"box\", min = [1, 1], max = [1.2, 2.15], n = [1, 1] }}\n\
              material = {{ kind = \"linear\", young = 1e3, poisson = 0.3 }}\nboundary = {{ {boundary} = \"clamped\" }}\n"
-        );
-        parse(&text, &[]).and_then(|file| io::sizes(&file).map(|_| ()))
+        ))
     };
     leaf("top").expect("clamped above the ceiling");
     check_words(

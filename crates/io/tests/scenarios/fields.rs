@@ -1,9 +1,7 @@
 //! Field files with the fields that a scenario chooses, compared with values that are known.
 
-use std::path::Path;
-
 use crate::setting::*;
-use vtkio::model::{Attribute, DataSet, Piece, UnstructuredGridPiece, Vtk};
+use vtkio::model::{Attribute, UnstructuredGridPiece};
 
 /// An elastic block of unit size on rollers, in equilibrium at every step.
 const BLOCK: &str = r#"
@@ -31,13 +29,6 @@ vtk_every = 2
 newton = { tolerance = 1.0e-10 }
 linear = "direct"
 "#;
-
-fn read(path: &Path) -> UnstructuredGridPiece {
-    let vtk = Vtk::import(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let DataSet::UnstructuredGrid { pieces, .. } = vtk.data else { panic!("not an unstructured grid") };
-    let Some(Piece::Inline(piece)) = pieces.into_iter().next() else { panic!("no piece inline") };
-    *piece
-}
 
 fn field(attributes: &[Attribute], name: &str) -> Option<Vec<f64>> {
     let array = attributes.iter().find_map(|attribute| match attribute {
@@ -72,7 +63,7 @@ fn principal_stresses_of_a_stretched_block() {
     let (mu, lambda, load) = (4e5, 1.6e6, 2e5);
     let boundary = "body.0.boundary={ left = \"symmetry\", bottom = \"symmetry\", right = { kind = \"traction\", value = [\"2.0e5*t\", 0.0] } }";
     results(&legal(BLOCK, &[&[boundary]]), &directory);
-    let grid = read(&directory.join("vtk/solid_000002.vtu"));
+    let grid = read_grid(&directory.join("vtk/solid_000002.vtu"));
     let (x, displacement) = (points(&grid), field(&grid.data.point, "displacement").expect("a displacement"));
     let corner =
         x.chunks_exact(3).zip(displacement.chunks_exact(3)).map(|(x, d)| [x[0] - d[0], x[1] - d[1], d[0], d[1]]);
@@ -107,7 +98,7 @@ fn contact_pressure_of_a_pressed_block_is_the_load() {
     results(&legal(BLOCK, &[&[boundary, contact, fields]]), &directory);
     // Series without the field are not written.
     assert!(!directory.join("solid.pvd").exists() && directory.join("surface.pvd").exists());
-    let grid = read(&directory.join("vtk/surface_000002.vtu"));
+    let grid = read_grid(&directory.join("vtk/surface_000002.vtu"));
     assert!(field(&grid.data.cell, "traction").is_none() && grid.data.point.is_empty());
     let (x, pressure) = (points(&grid), cell_field(&grid, "contact_pressure"));
     let mut n_pressed = 0;
@@ -144,7 +135,7 @@ offset   = 0.01
     );
     let boundary = "body.0.boundary={ left = \"symmetry\", right = \"symmetry\", top = { kind = \"traction\", value = [0.0, \"-3.0e4*t\"] } }";
     results(&legal(&text, &[&[boundary]]), &directory);
-    let grid = read(&directory.join("vtk/surface_000002.vtu"));
+    let grid = read_grid(&directory.join("vtk/surface_000002.vtu"));
     let (pressure, body) = (cell_field(&grid, "contact_pressure"), cell_field(&grid, "body"));
     let pressed =
         |of: f64| pressure.iter().zip(&body).filter(move |(p, body)| **body == of && **p != 0.0).map(|(p, _)| *p);
@@ -189,7 +180,7 @@ newton = { tolerance = 1.0e-12 }
 fn traction_of_a_fluid_at_rest_is_its_pressure() {
     let directory = fresh_directory("immersed");
     results(&legal(IMMERSED, &[]), &directory);
-    let grid = read(&directory.join("vtk/surface_000002.vtu"));
+    let grid = read_grid(&directory.join("vtk/surface_000002.vtu"));
     let (x, traction) = (points(&grid), cell_field(&grid, "traction"));
     let edges = edges(&grid);
     assert_eq!(edges.len(), 8);
@@ -218,7 +209,7 @@ fn grids_without_points_are_valid_files() {
     grid.write(&path, 0).unwrap_or_else(|error| panic!("{error}"));
     let text = std::fs::read_to_string(&path).expect("a file");
     assert!(text.contains("NumberOfPoints=\"0\" NumberOfCells=\"0\""), "{text}");
-    let grid = read(&path);
+    let grid = read_grid(&path);
     assert_eq!((grid.num_points(), grid.cells.types.len()), (0, 0));
     assert_eq!((grid.data.point.len(), grid.data.cell.len()), (1, 2));
 }

@@ -2,13 +2,12 @@
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
-use std::path::PathBuf;
 
 use crate::setting::*;
-use io::ScenarioFile;
 use io::gmsh::{GmshFormat, GmshVersion, write as write_gmsh};
 use io::scenario::Case;
 use io::scenario::case::case;
+use io::{Error, ScenarioFile};
 use mesh::generate::{BallOptions, ball, structured_box};
 use mesh::{Placed, Point, SimplexMesh, Vector, VertexId};
 use solver::{FluidBoundary, Setup};
@@ -36,13 +35,13 @@ fn text(shape: &str, more: &str) -> String {
     BODY.replace("SHAPE", shape).replace("MORE", more)
 }
 
-/// Returns the path of a scenario in the folder of the tests, so that files in it are found.
-fn place() -> PathBuf {
-    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME")).join("case.toml")
+/// Reads a scenario in the folder of the tests, so that files in it are found.
+fn read(text: &str) -> Result<ScenarioFile, Error> {
+    parse_at(&in_folder("case.toml"), text, &[])
 }
 
 fn parsed(text: &str) -> ScenarioFile {
-    parse_at(&place(), text, &[]).unwrap_or_else(|e| panic!("{e}"))
+    read(text).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn setup(text: &str) -> Setup<2> {
@@ -58,7 +57,7 @@ fn mass_and_volume<const D: usize>(setup: &Setup<D>) -> (f64, f64) {
 
 #[track_caller]
 fn expect(text: &str, words: &[&str]) {
-    check_words(&mistake(parse_at(&place(), text, &[])).to_string(), words);
+    check_words(&mistake(read(text)).to_string(), words);
 }
 
 fn format(version: GmshVersion) -> GmshFormat {
@@ -253,14 +252,14 @@ gravity = [0, 0, -10]
             }
         }
         write(file, points + &faces);
-        parse_at(&place(), &text.replace("FILE", file), &[])
+        read(&text.replace("FILE", file))
     };
     cubes("apart.obj", 1.1).and_then(|file| io::sizes(&file)).unwrap_or_else(|e| panic!("{e}"));
     let refused = mistake(cubes("overlapping.obj", 0.4)).to_string();
     check_words(&refused, &["body.0", "the surface of body `cubes` encloses 1.008", "but covers 7.9", "unite them"]);
 }
 
-/// Fluid in a trapezium with oblique walls, and a fixed post in it.
+/// A fluid without its background.
 const FLUID: &str = r#"
 name      = "own-background"
 dimension = 2
@@ -276,7 +275,9 @@ viscosity        = 1.0
 convection       = "none"
 initial_velocity = ["1 + 2*x - 3*y", "4*x - 2*y"]
 
-[background]
+"#;
+/// A trapezium with oblique walls.
+const TRAPEZIUM: &str = r#"[background]
 kind     = "mesh"
 file     = "trapezium.msh"
 boundary = { wall = { kind = "velocity", value = ["1 + 2*x - 3*y", "4*x - 2*y"] }, end = { kind = "traction", value = TRACTION } }
@@ -298,7 +299,7 @@ fn a_linear_flow_in_a_background_of_any_shape_is_exact() {
     // The stress 2 mu D of the flow without pressure, on the oblique end.
     let normal = mesh.tag_normal(mesh.tag("end").expect("a tag")).expect("a plane end");
     let traction = [4.0 * normal[0] + normal[1], normal[0] - 4.0 * normal[1]];
-    let text = FLUID.replace("TRACTION", &format!("{traction:?}"));
+    let text = FLUID.to_owned() + &TRAPEZIUM.replace("TRACTION", &format!("{traction:?}"));
     let case = planar_case(&parsed(&text));
     let fluid = case.setup.fluid.as_ref().expect("a fluid");
     assert_eq!((fluid.background.n_cells(), fluid.boundary.len()), (mesh.n_cells(), 2));
@@ -318,7 +319,7 @@ fn a_linear_flow_in_a_background_of_any_shape_is_exact() {
 
 #[test]
 fn a_background_may_be_a_polygon() {
-    let background = FLUID.split_once("[background]").expect("a table").0.to_owned()
+    let background = FLUID.to_owned()
         + r#"[background]
 kind     = "polygon"
 corners  = [[0, 0], [2, 0], [2, 1], [3, 1], [3, 2], [0, 2]]
@@ -333,12 +334,12 @@ boundary = { side-1 = "no-slip", side-2 = "no-slip", side-3 = "no-slip", side-4 
     expect(&background.replace("size     = 0.2", "size     = 1e-5"), &["background.size", "GiB of memory"]);
     expect(&background.replace("[1, 1]]]", "[9, 1]]]"), &["background", "cross or touch"]);
     let in_space = background.replace("dimension = 2", "dimension = 3");
-    assert!(parse_at(&place(), &in_space, &[]).is_err());
+    assert!(read(&in_space).is_err());
 }
 
 #[test]
 fn a_polygon_may_be_finer_near_regions_and_smooth() {
-    let text = FLUID.split_once("[background]").expect("a table").0.to_owned()
+    let text = FLUID.to_owned()
         + r#"[background]
 kind     = "polygon"
 corners  = [[-2, 0], [0, -1], [2, 0], [0, 1]]
@@ -372,7 +373,7 @@ boundary = { surface = "no-slip", hole-1 = "free" }
 #[test]
 fn conditions_on_planes_follow_an_oblique_channel() {
     // A channel of length 2 and width 0.5 along (0.8, 0.6).
-    let text = FLUID.split_once("[background]").expect("a table").0.to_owned()
+    let text = FLUID.to_owned()
         + r#"[background]
 kind     = "polygon"
 corners  = [[0, 0], [1.6, 1.2], [1.3, 1.6], [-0.3, 0.4]]
@@ -403,7 +404,7 @@ boundary = { side-1 = "symmetry", side-2 = "parallel", side-3 = "no-slip", side-
 fn backgrounds_that_cannot_be_used_are_refused() {
     let mesh = trapezium();
     save("trapezium-2.msh", &mesh, &HashMap::new());
-    let text = FLUID.replace("trapezium.msh", "trapezium-2.msh").replace("TRACTION", "[0, 0]");
+    let text = FLUID.to_owned() + &TRAPEZIUM.replace("trapezium", "trapezium-2").replace("TRACTION", "[0, 0]");
     parsed(&text);
     expect(&text.replace("wall =", "wand ="), &["background.boundary.wand", "end, wall"]);
     expect(

@@ -8,6 +8,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use io::gmsh::{GmshFile, GmshFormat, GmshMesh, GmshVersion, write};
 use mesh::generate::{BallOptions, ball, structured_box};
 use mesh::{FacetId, Placed, Point, SimplexMesh, Vector, VertexId};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::SplitMix64;
 use solid_svk::{ElasticBody, ElasticOptions, LameParameters, Material, SaintVenantKirchhoff, SolidForm, SolidMesh};
 use solver::body::Body;
 
@@ -386,14 +388,6 @@ fn malformed_files_are_refused_with_place_and_remedy() {
     refused(&with_41("2 5 2 2\n", "2 5 2 -2\n"), "line 41: `-2` is not a whole number, zero or above");
 }
 
-/// Generator of Marsaglia 2003, J. Stat. Softw. 8(14).
-fn random(state: &mut u64) -> usize {
-    *state ^= *state << 13;
-    *state ^= *state >> 7;
-    *state ^= *state << 17;
-    (*state >> 16) as usize
-}
-
 #[test]
 fn damaged_files_do_no_harm() {
     let plane = grouped(structured_box([0.0, 0.0], [1.0, 1.0], [2, 2]).expect("a mesh"));
@@ -401,17 +395,17 @@ fn damaged_files_do_no_harm() {
     let mut texts: Vec<Vec<u8>> = FORMATS.iter().map(|format| bytes(&plane, &bent(&plane), *format)).collect();
     texts.extend(FORMATS.iter().map(|format| bytes(&space, &HashMap::new(), *format)));
     texts.extend([V41, V22].map(|text| text.as_bytes().to_vec()));
-    let (mut state, mut n_read) = (44, 0);
+    let (mut random, mut n_read) = (SplitMix64::seed_from_u64(44), 0);
     for text in &texts {
         for _ in 0..1500 {
             let mut text = text.clone();
-            let at = random(&mut state) % text.len();
-            match random(&mut state) % 5 {
+            let at = random.random_range(0..text.len());
+            match random.random_range(0..5) {
                 0 => text.truncate(at),
-                1 => text[at] = random(&mut state) as u8,
-                2 => text[at] ^= 1 << (random(&mut state) % 8),
+                1 => text[at] = random.random(),
+                2 => text[at] ^= 1 << random.random_range(0..8),
                 3 => drop(text.splice(at..at, b"99999999999999999999".to_vec())),
-                _ => drop(text.splice(at..(at + random(&mut state) % 40).min(text.len()), Vec::new())),
+                _ => drop(text.splice(at..(at + random.random_range(0..40)).min(text.len()), Vec::new())),
             }
             let Ok(file) = GmshFile::parse(&text) else { continue };
             n_read += 1;

@@ -1,7 +1,6 @@
 //! Bodies of prescribed motion: valid and invalid keys of a scenario, and the files of a run.
 
 use std::fs;
-use std::path::Path;
 
 use crate::setting::*;
 use io::{Error, ScenarioFile, sizes};
@@ -40,11 +39,7 @@ fn with_motion(motion: &str, more: &str) -> String {
 
 /// Reads a scenario in the directory of all tests, to which the paths of tables are relative.
 fn read(text: &str, sets: &[&str]) -> Result<ScenarioFile, Error> {
-    parse_at(
-        &Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME")).join("case.toml"),
-        text,
-        &[&COARSE, sets],
-    )
+    parse_at(&in_folder("case.toml"), text, &[&COARSE, sets])
 }
 
 fn moving(motion: &str, more: &str, sets: &[&str]) -> ScenarioFile {
@@ -83,18 +78,13 @@ fn moved(file: &ScenarioFile, t: f64) -> Vec<[Point<2>; 3]> {
 fn each_kind_moves_the_body_as_documented() {
     let file = moving(r#"{ kind = "fixed" }"#, "", &[]);
     assert!(moved(&file, 3.0).iter().all(|[x, y, v]| x == y && v.norm() == 0.0));
-    let file = moving(r#"{ kind = "rotating", centre = [0.2, 0.2], angular_velocity = 2.0 }"#, "", &[]);
-    for [x, y, v] in moved(&file, 0.7) {
-        let (arm, turned) = (x - Point::<2>::new(0.2, 0.2), y - Point::<2>::new(0.2, 0.2));
-        assert!((turned[1].atan2(turned[0]) - arm[1].atan2(arm[0]) - 1.4).sin().abs() < 1e-12);
-        assert!((v - Point::<2>::new(-2.0 * turned[1], 2.0 * turned[0])).norm() < 1e-13);
-    }
-    let file = moving(r#"{ kind = "rotating", centre = [0.2, 0.2], angular_velocity = "3*cos(t)" }"#, "", &[]);
-    for [x, y, v] in moved(&file, 0.7) {
-        let (arm, turned) = (x - Point::<2>::new(0.2, 0.2), y - Point::<2>::new(0.2, 0.2));
-        let (angle, rate) = (3.0 * 0.7_f64.sin(), 3.0 * 0.7_f64.cos());
-        assert!((turned[1].atan2(turned[0]) - arm[1].atan2(arm[0]) - angle).sin().abs() < 1e-12);
-        assert!((v - Point::<2>::new(-rate * turned[1], rate * turned[0])).norm() < 1e-13);
+    for (velocity, angle, rate) in [("2.0", 1.4, 2.0), ("\"3*cos(t)\"", 3.0 * 0.7_f64.sin(), 3.0 * 0.7_f64.cos())] {
+        let motion = format!("{{ kind = \"rotating\", centre = [0.2, 0.2], angular_velocity = {velocity} }}");
+        for [x, y, v] in moved(&moving(&motion, "", &[]), 0.7) {
+            let (arm, turned) = (x - Point::<2>::new(0.2, 0.2), y - Point::<2>::new(0.2, 0.2));
+            assert!((turned[1].atan2(turned[0]) - arm[1].atan2(arm[0]) - angle).sin().abs() < 1e-12);
+            assert!((v - Point::<2>::new(-rate * turned[1], rate * turned[0])).norm() < 1e-13);
+        }
     }
     let file = moving(MOTION, "", &[]);
     for [x, y, v] in moved(&file, 0.5) {

@@ -51,7 +51,7 @@ fn last(table: &HistoryTable, name: &str) -> f64 {
 fn points_sections_and_lines_see_the_flow() {
     let directory = fresh_directory("flow");
     results(&legal(&flow(), &[]), &directory);
-    let probes = HistoryTable::read(&directory.join("probes.csv")).unwrap_or_else(|e| panic!("{e}"));
+    let probes = probes(&directory);
     // With the start.
     assert_eq!(probes.n_rows(), 6);
     let names =
@@ -137,7 +137,7 @@ fn the_force_on_the_wall_of_a_tube_balances_the_pressure() {
     ] {
         let directory = fresh_directory(&format!("tube-{name}"));
         results(&legal(TUBE, &[sets]), &directory);
-        let probes = HistoryTable::read(&directory.join("probes.csv")).unwrap_or_else(|e| panic!("{e}"));
+        let probes = probes(&directory);
         let found = ["wall", "half"].map(|probe| last(&probes, &format!("{probe}_{along}")));
         assert!((found[0] / wall - 1.0).abs() < 1e-7, "{name}: {found:?}");
         // The mesh is not symmetric, so that halves differ by the error of the cells.
@@ -193,7 +193,7 @@ fn axisymmetric_sections_are_those_in_space() {
     assert!(names.starts_with(expected), "{names}");
     let labels = [&summary.units.force, &summary.units.energy, &summary.units.volume, &summary.units.flow];
     assert_eq!(labels, ["N", "J", "m³", "m³/s"]);
-    let probes = HistoryTable::read(&directory.join("probes.csv")).unwrap_or_else(|e| panic!("{e}"));
+    let probes = probes(&directory);
     assert!(probes.names().contains(&"disk_flux [m³/s]".to_owned()), "{:?}", probes.names());
     let pi = std::f64::consts::PI;
     // The mean of `10 (1 - r)` over the cone `z = r` has the weight `r`. The middles of 100 intervals give the integral
@@ -226,7 +226,7 @@ boundary = { left = "symmetry" }
 "#;
     let directory = fresh_directory("drag");
     results(&legal(&ball, &[]), &directory);
-    let probes = HistoryTable::read(&directory.join("probes.csv")).unwrap_or_else(|e| panic!("{e}"));
+    let probes = probes(&directory);
     assert!(
         ["drag_y [N]", "drag_moment_z [J]", "work_energy [J]"]
             .iter()
@@ -280,7 +280,7 @@ fn markers_and_forces_follow_a_body() {
     ];
     let file = legal(CHANNEL, &[&sets]);
     results(&file, &directory);
-    let probes = HistoryTable::read(&directory.join("probes.csv")).unwrap_or_else(|e| panic!("{e}"));
+    let probes = probes(&directory);
     // The nearest point of the surface is the rightmost one.
     let centre = column(&directory, "centre_x");
     let [first, end] = [0, centre.len() - 1].map(|k| centre[k]);
@@ -318,7 +318,7 @@ boundary = { bottom = "clamped" }
 "#;
     let directory = fresh_directory("block");
     results(&legal(&box_in_fluid, &[]), &directory);
-    let probes = HistoryTable::read(&directory.join("probes.csv")).unwrap_or_else(|e| panic!("{e}"));
+    let probes = probes(&directory);
     for name in ["x", "y", "moment_z"] {
         let [part, rest, all] = ["part", "rest", "all"].map(|probe| last(&probes, &format!("{probe}_{name}")));
         assert!(
@@ -402,7 +402,7 @@ fn parts_of_rigid_bodies_are_measured() {
         );
         let directory = fresh_directory("parts-of-rigid");
         results(&legal(&(flow() + &block), &[]), &directory);
-        let probes = HistoryTable::read(&directory.join("probes.csv")).unwrap_or_else(|e| panic!("{e}"));
+        let probes = probes(&directory);
         for axis in ["x", "y"] {
             let whole = last(&probes, &format!("all_{axis}"));
             let of_parts = sides.map(|side| last(&probes, &format!("{side}_{axis}")));

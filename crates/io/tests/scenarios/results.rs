@@ -11,7 +11,7 @@ use io::{Progress, ScenarioFile, StepProgress, Summary, Watch, run};
 use solver::algebra::Workspace;
 use solver::mesh::SimplexMesh;
 use solver::{FluidSetup, Observer, ObserverError, State, StepView, Substep, advance};
-use vtkio::model::{Attribute, DataSet, Piece, UnstructuredGridPiece, VertexNumbers, Vtk};
+use vtkio::model::{Attribute, UnstructuredGridPiece, VertexNumbers};
 
 const HEADER: &str = "time [s],d_min [cm],d_max [cm],body_height [cm],lowest_velocity [cm/s],\
 lowest_acceleration [cm/s²],centre_y [cm],centre_velocity [cm/s],\
@@ -39,13 +39,6 @@ fn coarse(extra: &[&str]) -> ScenarioFile {
         "output.vtk_every=2",
     ];
     legal(BARRIER, &[&sets, extra])
-}
-
-fn read_grid(path: &Path) -> UnstructuredGridPiece {
-    let vtk = Vtk::import(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    let DataSet::UnstructuredGrid { pieces, .. } = vtk.data else { panic!("not an unstructured grid") };
-    let Some(Piece::Inline(piece)) = pieces.into_iter().next() else { panic!("no piece inline") };
-    *piece
 }
 
 fn background(fluid: &Option<FluidSetup<2>>) -> &SimplexMesh<2> {

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use io::scenario::case::{Case, case};
 use io::{Error, HistoryTable, ScenarioFile, Summary, run, sizes};
+use vtkio::model::{DataSet, Piece, UnstructuredGridPiece, Vtk};
 
 /// A cylinder that is moved up and down in a channel.
 pub(crate) const CHANNEL: &str = include_str!("../../../../examples/oscillating-cylinder.toml");
@@ -52,9 +53,14 @@ pub(crate) fn check_place(error: Error, text: &str, begin: usize, key: &str, wor
     check_words(&message, words);
 }
 
+/// Returns a path in the folder of the tests.
+pub(crate) fn in_folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME")).join(name)
+}
+
 /// Returns an empty directory for results.
 pub(crate) fn fresh_directory(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME")).join(name);
+    let path = in_folder(name);
     let _ = std::fs::remove_dir_all(&path);
     std::fs::create_dir_all(&path).unwrap_or_else(|e| panic!("{e}"));
     path
@@ -62,15 +68,27 @@ pub(crate) fn fresh_directory(name: &str) -> PathBuf {
 
 /// Writes a file for a test.
 pub(crate) fn write(name: &str, content: impl AsRef<[u8]>) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME"));
-    std::fs::create_dir_all(&folder).unwrap_or_else(|e| panic!("{e}"));
-    let path = folder.join(name);
+    let path = in_folder(name);
+    std::fs::create_dir_all(in_folder("")).unwrap_or_else(|e| panic!("{e}"));
     std::fs::write(&path, content).unwrap_or_else(|e| panic!("{e}"));
     path
 }
 
 pub(crate) fn results(file: &ScenarioFile, directory: &Path) -> Summary {
     run(file, directory, &mut ()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Returns the grid of a field file.
+pub(crate) fn read_grid(path: &Path) -> UnstructuredGridPiece {
+    let vtk = Vtk::import(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let DataSet::UnstructuredGrid { pieces, .. } = vtk.data else { panic!("not an unstructured grid") };
+    let Some(Piece::Inline(piece)) = pieces.into_iter().next() else { panic!("no piece inline") };
+    *piece
+}
+
+/// Returns the values of all probes of a run.
+pub(crate) fn probes(directory: &Path) -> HistoryTable {
+    HistoryTable::read(&directory.join("probes.csv")).unwrap_or_else(|e| panic!("{e}"))
 }
 
 pub(crate) fn history(directory: &Path) -> HistoryTable {
