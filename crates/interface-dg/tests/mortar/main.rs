@@ -37,6 +37,16 @@ struct Fixture {
     is_film: bool,
 }
 
+/// Returns the velocity of fluid at rest.
+fn still(_: &Point<2>) -> V {
+    V::zeros()
+}
+
+/// Returns the pressure zero.
+fn unpressed(_: &Point<2>) -> f64 {
+    0.0
+}
+
 impl Fixture {
     fn new() -> Self {
         Self::between(0.0, 2.0)
@@ -139,43 +149,30 @@ impl Fixture {
 #[test]
 fn pressure_pushes_fluid_and_body_apart() {
     // u = v: no jump. -(T n^f, v - w) with T n^f = -p n^f, n^f = (0, -1), on a length of 2.
-    Fixture::new().with_points(
-        uniform(1e3),
-        |_| V::new(1.0, 0.5),
-        |_| 3.0,
-        V::new(1.0, 0.5),
-        true,
-        |points, form, x, force, flux| {
-            assert!((force[0] - V::new(0.0, -6.0)).norm() < 1e-12, "{}", force[0]);
-            assert!((force[0] + force[1]).norm() < 1e-12, "action and reaction");
-            assert!(flux.abs() < 1e-12);
-            for t in interface_tractions(points, &form.penalty, x) {
-                // The traction on the body is -p n with n = (0, 1).
-                assert!((t.total() - V::new(0.0, -3.0)).norm() < 1e-12 && t.jump.norm() < 1e-12);
-            }
-        },
-    );
+    let u = |_: &Point<2>| V::new(1.0, 0.5);
+    let p = |_: &Point<2>| 3.0;
+    Fixture::new().with_points(uniform(1e3), u, p, V::new(1.0, 0.5), true, |points, form, x, force, flux| {
+        assert!((force[0] - V::new(0.0, -6.0)).norm() < 1e-12, "{}", force[0]);
+        assert!((force[0] + force[1]).norm() < 1e-12, "action and reaction");
+        assert!(flux.abs() < 1e-12);
+        for t in interface_tractions(points, &form.penalty, x) {
+            // The traction on the body is -p n with n = (0, 1).
+            assert!((t.total() - V::new(0.0, -3.0)).norm() < 1e-12 && t.jump.norm() < 1e-12);
+        }
+    });
 }
 
 #[test]
 fn shear_drags_the_body_along() {
     // u = (y - 0.4, 0): no jump on the interface; viscous traction on the body μ (1, 0).
-    Fixture::new().with_points(
-        uniform(1e3),
-        |x| V::new(x[1] - 0.4, 0.0),
-        |_| 0.0,
-        V::zeros(),
-        true,
-        |points, form, x, force, _| {
-            assert!((force[1] - V::new(-1.0, 0.0)).norm() < 1e-12, "{}", force[1]);
-            assert!((force[0] + force[1]).norm() < 1e-12);
-            assert!(
-                interface_tractions(points, &form.penalty, x)
-                    .iter()
-                    .all(|t| (t.fluid - V::new(0.5, 0.0)).norm() < 1e-12)
-            );
-        },
-    );
+    let u = |x: &Point<2>| V::new(x[1] - 0.4, 0.0);
+    Fixture::new().with_points(uniform(1e3), u, unpressed, V::zeros(), true, |points, form, x, force, _| {
+        assert!((force[1] - V::new(-1.0, 0.0)).norm() < 1e-12, "{}", force[1]);
+        assert!((force[0] + force[1]).norm() < 1e-12);
+        assert!(
+            interface_tractions(points, &form.penalty, x).iter().all(|t| (t.fluid - V::new(0.5, 0.0)).norm() < 1e-12)
+        );
+    });
 }
 
 #[test]
@@ -184,8 +181,8 @@ fn a_jump_is_penalised_and_counted_as_leak() {
         // Fluid at rest, body moving up with 2: jump (0, -2); every cell has h_K = √(0.5 · 4/√3).
         Fixture::new().with_points(
             uniform(100.0),
-            |_| V::zeros(),
-            |_| 0.0,
+            still,
+            unpressed,
             V::new(0.0, 2.0),
             elastic,
             |points, _, x, force, flux| {
@@ -265,57 +262,50 @@ fn fluid_stress_is_the_traction_of_the_fluid() {
 fn fluid_stress_of_a_facet_that_is_closed_in_part() {
     let (p, force) = (|x: &Point<2>| 2.0 - 3.0 * x[0], V::new(5.0, -7.0));
     // Facets on the top: (-1, 0.2), (0.2, 1.4), (1.4, 2.6).
-    Fixture::between(-1.0, 2.6).with_points(
-        uniform(1e3),
-        |_| V::zeros(),
-        p,
-        V::zeros(),
-        true,
-        |points, _, x, _, _| {
-            let stress = FluidStress::new(points.clone(), BodyId(0), |_| force);
-            let surface = Placed::new(points.surfaces[0].boundary, &points.surfaces[0].geometry);
-            let mut n_checked = 0;
-            for facet in surface.boundary().facets() {
-                let [left, right] = {
-                    let ends = surface.facet_points(facet);
-                    [ends[0][0].min(ends[1][0]), ends[0][0].max(ends[1][0])]
-                };
-                let (wet, closed) = if left < -0.9 && right > 0.1 {
-                    ([0.0, 0.2], [-1.0, 0.0])
-                } else if left > 1.3 && left < 2.5 {
-                    ([1.4, 2.0], [2.0, 2.6])
-                } else {
-                    continue;
-                };
-                if surface.facet_normal(facet)[1] < 0.5 {
-                    continue;
-                }
-                n_checked += 1;
-                // The piece that is nearest to the middle of the facet continues the pressure of its own middle.
-                let middle = |ends: [f64; 2]| (ends[0] + ends[1]) / 2.0;
-                let share = (wet[1] - wet[0]) / (right - left);
-                let pieces = points.geometry.cut.interface().iter().filter(|piece| piece.facet == facet);
-                let of_pieces = pieces.map(|piece| (piece.points[0][0] + piece.points[1][0]) / 2.0);
-                let rim = of_pieces.min_by(|a, b| (a - middle(closed)).abs().total_cmp(&(b - middle(closed)).abs()));
-                let rim = rim.expect("a piece");
-                let at = |at: f64| p(&Point::<2>::new(at, 0.4));
-                let continued = at(rim) + force[0] * (middle(closed) - rim);
-                let expected = share * at(middle(wet)) + (1.0 - share) * continued;
-                let mut derivatives = Vec::new();
-                let found = stress.on(facet, x, &mut derivatives);
-                assert!((found + V::new(0.0, expected)).norm() < 1e-12 * expected.abs(), "{found} {expected}");
-                // The mean is linear in the state.
-                for (dof, derivative) in &derivatives {
-                    let mut moved = x.to_vec();
-                    moved[dof.index()] += 1.0;
-                    let difference = stress.on(facet, &moved, &mut Vec::new()) - found;
-                    assert!((difference - derivative).norm() < 1e-12, "{difference} {derivative}");
-                }
-                assert!(derivatives.len() > 3);
+    Fixture::between(-1.0, 2.6).with_points(uniform(1e3), still, p, V::zeros(), true, |points, _, x, _, _| {
+        let stress = FluidStress::new(points.clone(), BodyId(0), |_| force);
+        let surface = Placed::new(points.surfaces[0].boundary, &points.surfaces[0].geometry);
+        let mut n_checked = 0;
+        for facet in surface.boundary().facets() {
+            let [left, right] = {
+                let ends = surface.facet_points(facet);
+                [ends[0][0].min(ends[1][0]), ends[0][0].max(ends[1][0])]
+            };
+            let (wet, closed) = if left < -0.9 && right > 0.1 {
+                ([0.0, 0.2], [-1.0, 0.0])
+            } else if left > 1.3 && left < 2.5 {
+                ([1.4, 2.0], [2.0, 2.6])
+            } else {
+                continue;
+            };
+            if surface.facet_normal(facet)[1] < 0.5 {
+                continue;
             }
-            assert_eq!(n_checked, 2);
-        },
-    );
+            n_checked += 1;
+            // The piece that is nearest to the middle of the facet continues the pressure of its own middle.
+            let middle = |ends: [f64; 2]| (ends[0] + ends[1]) / 2.0;
+            let share = (wet[1] - wet[0]) / (right - left);
+            let pieces = points.geometry.cut.interface().iter().filter(|piece| piece.facet == facet);
+            let of_pieces = pieces.map(|piece| (piece.points[0][0] + piece.points[1][0]) / 2.0);
+            let rim = of_pieces.min_by(|a, b| (a - middle(closed)).abs().total_cmp(&(b - middle(closed)).abs()));
+            let rim = rim.expect("a piece");
+            let at = |at: f64| p(&Point::<2>::new(at, 0.4));
+            let continued = at(rim) + force[0] * (middle(closed) - rim);
+            let expected = share * at(middle(wet)) + (1.0 - share) * continued;
+            let mut derivatives = Vec::new();
+            let found = stress.on(facet, x, &mut derivatives);
+            assert!((found + V::new(0.0, expected)).norm() < 1e-12 * expected.abs(), "{found} {expected}");
+            // The mean is linear in the state.
+            for (dof, derivative) in &derivatives {
+                let mut moved = x.to_vec();
+                moved[dof.index()] += 1.0;
+                let difference = stress.on(facet, &moved, &mut Vec::new()) - found;
+                assert!((difference - derivative).norm() < 1e-12, "{difference} {derivative}");
+            }
+            assert!(derivatives.len() > 3);
+        }
+        assert_eq!(n_checked, 2);
+    });
 }
 
 /// Checks the closed underside of a flat body: its pressure is that at the sides, although pieces of the top are
@@ -324,36 +314,22 @@ fn fluid_stress_of_a_facet_that_is_closed_in_part() {
 fn the_pressure_below_a_flat_body_is_not_that_above_it() {
     let p = |x: &Point<2>| 2.0 - 3.0 * x[1];
     let fixture = Fixture::between(0.5, 1.5);
-    fixture.with_points(
-        uniform(1e3),
-        |_| V::zeros(),
-        p,
-        V::zeros(),
-        true,
-        |points, _, x, _, _| {
-            let stress = FluidStress::new(points.clone(), BodyId(0), |_| V::zeros());
-            let surface = Placed::new(points.surfaces[0].boundary, &points.surfaces[0].geometry);
-            let below = surface.boundary().facets().filter(|facet| surface.facet_normal(*facet)[1] < -0.5);
-            let pressures: Vec<f64> = below.map(|facet| stress.on(facet, x, &mut Vec::new())[1]).collect();
-            // The middle of a side is at the height 0.2.
-            assert!(pressures.len() == 3 && pressures.iter().all(|found| (found - 1.4).abs() < 1e-12), "{pressures:?}");
-        },
-    );
+    fixture.with_points(uniform(1e3), still, p, V::zeros(), true, |points, _, x, _, _| {
+        let stress = FluidStress::new(points.clone(), BodyId(0), |_| V::zeros());
+        let surface = Placed::new(points.surfaces[0].boundary, &points.surfaces[0].geometry);
+        let below = surface.boundary().facets().filter(|facet| surface.facet_normal(*facet)[1] < -0.5);
+        let pressures: Vec<f64> = below.map(|facet| stress.on(facet, x, &mut Vec::new())[1]).collect();
+        // The middle of a side is at the height 0.2.
+        assert!(pressures.len() == 3 && pressures.iter().all(|found| (found - 1.4).abs() < 1e-12), "{pressures:?}");
+    });
 }
 
 /// Returns the force on the fluid at rest by a body that moves with a velocity.
 fn force_on_fluid(form: MortarForm, v: V) -> V {
-    Fixture::new().with_points(
-        form,
-        |_| V::zeros(),
-        |_| 0.0,
-        v,
-        true,
-        |_, _, _, force, _| {
-            assert!((force[0] + force[1]).norm() < 1e-12 * force[0].norm(), "action and reaction");
-            force[0]
-        },
-    )
+    Fixture::new().with_points(form, still, unpressed, v, true, |_, _, _, force, _| {
+        assert!((force[0] + force[1]).norm() < 1e-12 * force[0].norm(), "action and reaction");
+        force[0]
+    })
 }
 
 #[test]
