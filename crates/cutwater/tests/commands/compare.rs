@@ -1,6 +1,6 @@
 //! Output, files and exit codes of `cutwater compare`, `plot`, `resume` and `schema`.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use crate::setting::{cutwater, file, fresh, succeeded, text};
 
@@ -32,6 +32,12 @@ corner = { kind = "marker", body = "block", at = [0, 0] }
 /// Returns the path of a new file or directory of these tests.
 fn path(name: &str) -> String {
     fresh("compare", name).display().to_string()
+}
+
+/// Writes a table of results.
+fn write(directory: &str, name: &str, text: String) {
+    std::fs::create_dir_all(directory).expect("a directory");
+    std::fs::write(Path::new(directory).join(name), text).expect("a file");
 }
 
 /// Runs [`FALL`] with changes by `--set` in a new directory, and returns the directory.
@@ -67,19 +73,13 @@ fn runs_are_compared_column_by_column() {
 fn losses_of_energy_are_compared_with_the_energies() {
     let [first, second] = [path("ledger-first"), path("ledger-second")];
     // Tables of earlier versions have no units.
-    let write = |directory: &str, lost: &str, newton: &str, [s, m, j]: [&str; 3]| {
-        std::fs::create_dir_all(directory).expect("a directory");
-        let file = |name: &str, text: String| {
-            std::fs::write(PathBuf::from(directory).join(name), text).expect("a file");
-        };
-        file("history.csv", format!("time{s},centre_y{m},newton\n0.1,2,{newton}\n"));
-        file(
-            "diagnostics.csv",
-            format!("time{s},energy_contact{j},a_energy_gravity{j},lost_open_boundary{j}\n0.1,4,-9e6,{lost}\n"),
-        );
+    let tables = |directory: &str, lost: &str, newton: &str, [s, m, j]: [&str; 3]| {
+        write(directory, "history.csv", format!("time{s},centre_y{m},newton\n0.1,2,{newton}\n"));
+        let energies = format!("energy_contact{j},a_energy_gravity{j},lost_open_boundary{j}");
+        write(directory, "diagnostics.csv", format!("time{s},{energies}\n0.1,4,-9e6,{lost}\n"));
     };
-    write(&first, "1e-14", "3", ["", "", ""]);
-    write(&second, "2e-14", "5", [" [s]", " [m]", " [J/m]"]);
+    tables(&first, "1e-14", "3", ["", "", ""]);
+    tables(&second, "2e-14", "5", [" [s]", " [m]", " [J/m]"]);
     let output = cutwater(&["compare", &second, &first, "--tolerance", "1e-12"]);
     let printed = text(&output.stdout);
     assert!(output.status.success() && printed.contains("lost_open_boundary [J/m] "), "{printed}");
@@ -105,16 +105,9 @@ fn losses_of_energy_are_compared_with_the_energies() {
 fn remainders_and_components_are_compared_with_the_forces_and_vectors() {
     let directories = [("1e-14", path("balance-first")), ("-1e-14", path("balance-second"))];
     for (remainder, directory) in &directories {
-        std::fs::create_dir_all(directory).expect("a directory");
-        let file = |name: &str, text: String| {
-            std::fs::write(PathBuf::from(directory).join(name), text).expect("a file");
-        };
-        let force = |name: &str| format!("{name} [N/m]");
-        let names = ["a_force_gravity", "a_force_remainder", "b_force_gravity"].map(force).join(",");
-        file(
-            "history.csv",
-            format!("time [s],{names},centre_x [m],centre_y [m]\n0.1,-5,{remainder},90,{remainder},4\n"),
-        );
+        let names = ["a_force_gravity", "a_force_remainder", "b_force_gravity"].join(" [N/m],");
+        let head = format!("time [s],{names} [N/m],centre_x [m],centre_y [m]");
+        write(directory, "history.csv", format!("{head}\n0.1,-5,{remainder},90,{remainder},4\n"));
     }
     let [first, second] = directories.map(|(_, directory)| directory);
     let printed = text(&cutwater(&["compare", &first, &second]).stdout);
