@@ -280,7 +280,6 @@ fn a_guided_body_has_the_motion_of_its_guide() {
     let begins = "begins with the velocity of its guide";
     refused(&guided("2", ""), &[&["body.0.initial_velocity=[1, 0]"]], &["body.0.initial_velocity", begins]);
     refused(&guided("2", ", initial_spin = 1"), &[], &["initial_spin", begins]);
-    refused(&guided("2", ", held = [\"x\"]"), &[], &["held.0", "the guide moves the body along this axis"]);
     // Only the velocity counts, until the release and the end of the step in which it is.
     legal(&guided("sqrt(0.35 - t)", ""), &[]);
     legal(&guided("min(t/0.0001, 1)", ""), &[]);
