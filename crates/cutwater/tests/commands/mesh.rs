@@ -100,22 +100,14 @@ fn convert_writes_the_same_mesh() {
 
 #[test]
 fn files_that_cannot_be_used_are_refused() {
-    let square = file("refused.msh", SQUARE);
-    for (arguments, words) in [
-        (vec!["info", "no-such-file.msh"], &["cannot read no-such-file.msh"][..]),
-        (vec!["info", "mesh.xyz"], &["mesh.xyz", "its name must end in .msh, .vtu, .vtk, .stl or .obj"]),
-        (vec!["convert", &square, "square.stl"], &["square.stl", "use .msh for meshes"]),
-        (vec!["convert", &square, "square.obj"], &["cannot write square.obj", "must end in .msh, .vtu or .stl"]),
-    ] {
-        let output = mesh(&arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        let error = text(&output.stderr);
-        assert!(words.iter().all(|word| error.contains(word)), "{error}");
-    }
     let folded = file("folded.msh", &SQUARE.replace("4 0 1 0", "4 1.9 0.1 0"));
-    let output = mesh(&["info", &folded]);
-    let error = text(&output.stderr);
-    assert!(output.status.code() == Some(2) && error.contains("elements 3 and 4 lie on the same side"), "{error}");
+    for (name, words) in
+        [("no-such-file.msh", "cannot read no-such-file.msh"), (&folded, "elements 3 and 4 lie on the same side")]
+    {
+        let output = mesh(&["info", name]);
+        let error = text(&output.stderr);
+        assert!(output.status.code() == Some(2) && error.contains(words), "{error}");
+    }
 }
 
 /// A triangle of order 2 with straight edges, whose last node is the middle of the edge from the third corner to the

@@ -138,13 +138,6 @@ fn timings_of_all_stages_and_contributions() {
 }
 
 #[test]
-fn bad_input_exits_with_2_and_the_place() {
-    let output = cutwater(&["run", "--set", "fluid.viscosty=1.0"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("--set fluid.viscosty=1.0: fluid.viscosty: unknown key"));
-}
-
-#[test]
 fn a_failed_run_exits_with_1_and_the_residuals() {
     let directory = fresh("run", "failed");
     let shown = directory.display().to_string();
@@ -155,14 +148,6 @@ fn a_failed_run_exits_with_1_and_the_residuals() {
     assert!(directory.join("summary.json").exists() && directory.join("report.html").exists());
     let log = std::fs::read_to_string(directory.join("run.log")).expect("a log");
     assert!(log.contains("relative residual") && log.contains("complete up to step 0"), "{log}");
-}
-
-#[test]
-fn a_report_of_what_is_no_run_exits_with_2() {
-    let directory = fresh("run", "no-run");
-    let output = command().arg("report").arg(&directory).output().expect("the binary starts");
-    assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("summary.json"), "{}", text(&output.stderr));
 }
 
 #[test]
