@@ -16,7 +16,7 @@ use crate::files::{create_directory, write_whole};
 use crate::history::{History, TABLES, csv};
 use crate::measures::{BodyMeasures, leading_body};
 use crate::probes::ProbeLine;
-use crate::scenario::{Case, CaseVisitor, Fluid, Output, Scenario, ScenarioFile, lower};
+use crate::scenario::{Case, CaseVisitor, Fluid, Output, Scenario, ScenarioFile, lower, overlapping};
 use crate::sizes::Sizes;
 use crate::summary::{Summary, SummaryBuilder, UnitLabels, peak_rss_bytes};
 use crate::vtk::Grid;
@@ -129,6 +129,7 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
         drop(observer);
         let summary = &mut files.summary.summary;
         summary.outside = outside_walls(&case.setup, time_loop.state(), &summary.units.length);
+        summary.overlapping = overlapping(&case.setup, time_loop.state());
         files.write_summary()?;
         outcome.map_err(|error| match error.source {
             solver::Error::Observer(cause) if cause.is::<Interrupted>() => {
@@ -311,6 +312,7 @@ impl<'a, const D: usize> RunFiles<'a, D> {
             files.seconds_before = header.summary.summary.wall_seconds;
             files.summary = header.summary;
             files.summary.summary.outside.clear();
+            files.summary.summary.overlapping.clear();
             files.summary.summary.units = units;
             remove_fields(directory, |step| step > header.step)?;
             let mut series = files.series.iter_mut().zip(header.series);

@@ -74,6 +74,9 @@ pub struct Summary {
     /// their contacts with obstacles at rest; not written if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outside: Vec<String>,
+    /// Pairs of bodies that overlap at the last step and have no contact with each other; not written if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub overlapping: Vec<String>,
     /// Whether no step increased the energy by more than 1e-8 of the energies of the run, without the work of loads,
     /// forces, open boundaries and given velocities, and without increases below twice [`solver::Ledger::defect`]. The
     /// energies of the run are the largest sum of kinetic, elastic

@@ -266,6 +266,10 @@ fn print_summary(summary: &Summary, directory: &str, print_line: &mut dyn FnMut(
 /// Returns the warnings about the results of a run.
 fn warnings(summary: &Summary) -> Vec<String> {
     let mut lines: Vec<String> = overlap(summary).into_iter().collect();
+    let overlapping = summary.overlapping.iter();
+    lines.extend(overlapping.map(|pair| {
+        format!("warning: at the end {pair}: bodies touch only by contact; define one, such as `pairs = \"all\"`")
+    }));
     let outside = summary.outside.iter();
     lines.extend(outside.map(|reaches| {
         format!(

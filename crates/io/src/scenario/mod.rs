@@ -46,6 +46,7 @@ pub use formula::{Formula, FormulaError};
 pub use geometry::Shape;
 pub use key::{Key, Quantity};
 pub use motion::{GuideKeys, Held, MotionChoice};
+pub(crate) use placement::overlapping;
 pub use probe::ProbeChoice;
 pub use schema::schema;
 pub use solver::{

@@ -4,7 +4,7 @@ use contact::{DeformableObstacle, Obstacle, Positions};
 use cutcell::{CutMesh, OverlayOptions};
 use mesh::generate::structured_box;
 use mesh::{Aabb, BodyId, Coordinates, Placed, Point, SimplexMesh, Vector};
-use solver::{Contact, FluidSetup, Setup};
+use solver::{Contact, FluidSetup, Setup, State};
 
 use super::body::BodyKeys;
 use super::condition::tagged_vertices;
@@ -75,11 +75,8 @@ pub(super) fn check_placement<const D: usize>(
     let at = |k: usize| &given[k].shape.at;
     let domain = Aabb::of_points(background.vertices());
     let surfaces = setup.surfaces(positions);
-    let covered = |k: usize, surfaces: &[Placed<'_, D>]| {
-        let cut = CutMesh::overlay(background, surfaces, &OverlayOptions::new().without_self_intersection_check())
-            .map_err(|error| at(k).error(error))?;
-        Ok((cut.covered_volume(background), cut.interface().is_empty()))
-    };
+    let covered =
+        |k: usize, surfaces: &[Placed<'_, D>]| covered(background, surfaces).map_err(|error| at(k).error(error));
     let (alone, has_no_interface): (Vec<f64>, Vec<bool>) =
         (0..surfaces.len()).map(|k| covered(k, &surfaces[k..=k])).collect::<Result<_, ScenarioError>>()?;
     let all = (1.0 - ROUND_OFF) * background.volume();
@@ -119,6 +116,44 @@ pub(super) fn check_placement<const D: usize>(
         }
     }
     Ok(())
+}
+
+/// Returns the volume of the background that surfaces cover, and whether they have no interface in it.
+fn covered<const D: usize>(
+    background: &SimplexMesh<D>,
+    surfaces: &[Placed<'_, D>],
+) -> Result<(f64, bool), cutcell::Error> {
+    let cut = CutMesh::overlay(background, surfaces, &OverlayOptions::new().without_self_intersection_check())?;
+    Ok((cut.covered_volume(background), cut.interface().is_empty()))
+}
+
+/// Describes pairs of bodies that overlap and have no contact with each other. A pair whose overlap cannot be computed
+/// is left out.
+pub(crate) fn overlapping<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<String> {
+    let Some(fluid) = &setup.fluid else { return Vec::new() };
+    let positions = setup.positions(&state.bodies);
+    let (boxes, surfaces) =
+        (positions.iter().map(|x| Aabb::of_points(x)).collect::<Vec<_>>(), setup.surfaces(&positions));
+    let touch = |contact: &Contact<D>, pair: [usize; 2]| {
+        let sides = [Some(contact.body()), contact.master()].map(|id| id.map(BodyId::index));
+        pair.iter().all(|body| sides.contains(&Some(*body)))
+    };
+    let mut found = Vec::new();
+    for pair in (0..boxes.len()).flat_map(|a| (a + 1..boxes.len()).map(move |b| [a, b])) {
+        let [a, b] = pair;
+        if !boxes[a].overlaps(&boxes[b]) || setup.contacts.iter().any(|contact| touch(contact, pair)) {
+            continue;
+        }
+        let volume = |surfaces: &[Placed<'_, D>]| covered(&fluid.background, surfaces).map(|(volume, _)| volume);
+        let volumes = [volume(&[surfaces[a]]), volume(&[surfaces[b]]), volume(&[surfaces[a], surfaces[b]])];
+        if let [Ok(of_a), Ok(of_b), Ok(of_both)] = volumes
+            && of_a + of_b - of_both > ROUND_OFF * of_a.min(of_b)
+        {
+            let [a, b] = pair.map(|body| setup.bodies[body].name());
+            found.push(format!("bodies {a} and {b} overlap by {:.3e} (area or volume)", of_a + of_b - of_both));
+        }
+    }
+    found
 }
 
 /// Largest difference of two planes that are the same: of normals of length one, and of distances from the origin

@@ -342,3 +342,17 @@ offset   = 0.05
 "#;
     assert_eq!(outside(&format!("{text}{contact}")), [""; 0]);
 }
+
+#[test]
+fn bodies_without_contact_that_overlap_at_the_end_are_reported() {
+    let stone = "shape   = { kind = \"ball\", centre = [0.7, 0.5]";
+    let text = DISKS.replace(stone, "shape   = { kind = \"ball\", centre = [0.3, 0.715]");
+    let fast = "initial_velocity = [0.0, -2.0]\n\n[output]\nvtk_every = 0\n";
+    let text = text.replace("end  = 0.05", "end  = 0.02") + fast;
+    let overlapping = |more: &str| results(&legal(&format!("{text}{more}"), &[]), &fresh_directory("pass")).overlapping;
+    let found = overlapping("");
+    assert!(found.len() == 1 && found[0].starts_with("bodies soft and stone overlap by "), "{found:?}");
+    let contact =
+        "[contact]\npairs = \"all\"\nsize = 0.02\noffset = 0.01\nlaw = { kind = \"penalty\", gamma_contact_0 = 1e7 }\n";
+    assert_eq!(overlapping(contact), [""; 0]);
+}
