@@ -74,7 +74,8 @@ pub struct Summary {
     /// their contacts with obstacles at rest; not written if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outside: Vec<String>,
-    /// Pairs of bodies that overlap at the last step and have no contact with each other; not written if there are none.
+    /// Pairs of bodies that overlap at the last step and have no contact with each other; not written if there are
+    /// none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub overlapping: Vec<String>,
     /// Whether no step increased the energy by more than 1e-8 of the energies of the run, without the work of loads,

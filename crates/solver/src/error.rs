@@ -184,7 +184,7 @@ fn remedy(ratio: f64) -> String {
              as large (with friction less, as far as Newton's method converges); or take a larger tolerance"
         )
     } else {
-        "the changes do not shrink: check that the body fits between its obstacles, and take a larger parameter of its law, with friction a smaller one"
+        "the changes do not shrink: check that the body fits between its obstacles, and take a larger parameter of its law; with friction also try a smaller one, or a larger tolerance"
             .to_owned()
     }
 }

@@ -170,7 +170,16 @@ fn advice(step: &solver::StepError, properties: RunProperties) -> String {
         _ => return String::new(),
     };
     let mut text = String::new();
-    if properties.is_static && matches!(newton, NewtonError::Linear { source: LinearError::Singular { .. }, .. }) {
+    let is_singular = |source: &LinearError| {
+        matches!(
+            source,
+            LinearError::Singular { .. }
+                | LinearError::EmptyRow { .. }
+                | LinearError::EmptyColumn { .. }
+                | LinearError::StructurallySingular { .. }
+        )
+    };
+    if properties.is_static && matches!(newton, NewtonError::Linear { source, .. } if is_singular(source)) {
         text += "\n  with quasi-static steps and without a fluid, nothing but supports and contacts in action determines where a body is: \
                  hold it by `body.boundary` (elastic) or `body.motion.held` (rigid), or give contact an `offset` above the gap at the start; \
                  otherwise try a smaller `time.step`";
