@@ -133,7 +133,7 @@ pub(crate) fn overlapping<const D: usize>(setup: &Setup<D>, state: &State<D>) ->
     let Some(fluid) = &setup.fluid else { return Vec::new() };
     let positions = setup.positions(&state.bodies);
     let (boxes, surfaces) =
-        (positions.iter().map(|x| Aabb::of_points(x)).collect::<Vec<_>>(), setup.surfaces(&positions));
+        (positions.iter().map(Aabb::of_points).collect::<Vec<_>>(), setup.surfaces(&positions));
     let touch = |contact: &Contact<D>, pair: [usize; 2]| {
         let sides = [Some(contact.body()), contact.master()].map(|id| id.map(BodyId::index));
         pair.iter().all(|body| sides.contains(&Some(*body)))
