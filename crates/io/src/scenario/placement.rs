@@ -132,8 +132,7 @@ fn covered<const D: usize>(
 pub(crate) fn overlapping<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<String> {
     let Some(fluid) = &setup.fluid else { return Vec::new() };
     let positions = setup.positions(&state.bodies);
-    let (boxes, surfaces) =
-        (positions.iter().map(Aabb::of_points).collect::<Vec<_>>(), setup.surfaces(&positions));
+    let (boxes, surfaces) = (positions.iter().map(Aabb::of_points).collect::<Vec<_>>(), setup.surfaces(&positions));
     let touch = |contact: &Contact<D>, pair: [usize; 2]| {
         let sides = [Some(contact.body()), contact.master()].map(|id| id.map(BodyId::index));
         pair.iter().all(|body| sides.contains(&Some(*body)))
