@@ -69,10 +69,10 @@ impl<const D: usize> Step<'_, D> {
     /// the matrix is singular.
     fn first_solve(&self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, NewtonError> {
         let (equations, settings) = (&self.problem().equations, &self.setup.newton);
-        if self.time.weights.has_inertia() {
+        let mut from_rest = self.guess_at_rest();
+        if self.time.weights.has_inertia() || from_rest == x {
             return newton(equations, x, work, settings);
         }
-        let mut from_rest = self.guess_at_rest();
         match newton(equations, &mut from_rest, work, settings) {
             Ok(report) => {
                 x.copy_from_slice(&from_rest);
