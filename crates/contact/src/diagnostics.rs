@@ -71,8 +71,7 @@ impl<const D: usize> ContactReport<D> {
                 // The first component of a traction is `λ`.
                 let pressing = -site.traction.value[0] * site.weight;
                 *on_slave.entry(sites.items.facet(item)).or_default() += pressing;
-                if let Anchor::Facet { facet, barycentric, .. } = site.projection.anchor {
-                    let inside = barycentric[..D].iter().copied().fold(f64::INFINITY, f64::min);
+                if let Anchor::Facet { facet, inside, .. } = site.projection.anchor {
                     let segment = segments.entry((item, sites.segment_of(item, site))).or_default();
                     segment.force += pressing;
                     if segment.facet.is_none() || inside > segment.inside {
@@ -80,7 +79,7 @@ impl<const D: usize> ContactReport<D> {
                     }
                 }
                 for (k, node) in site.nodes().iter().enumerate() {
-                    report.powers[usize::from(k >= D)] += node.share * force.dot(&node.velocity);
+                    report.powers[usize::from(k >= site.n_slave_nodes)] += node.share * force.dot(&node.velocity);
                 }
             });
         }

@@ -1,26 +1,26 @@
 //! Contact points with the data that terms evaluate.
 
-use mesh::{MAX_FACET_VERTICES, Point, Tensor, Vector};
+use mesh::{MAX_FACET_NODES, Point, Tensor, Vector};
 
 use crate::{Anchor, ContactPoint, ContactTraction, Frame, Projection};
 
-/// Largest number of vertices at one point: the vertices of the slave's facet and of the anchor.
-pub(crate) const MAX_NODES: usize = 2 * MAX_FACET_VERTICES;
+/// Largest number of nodes at one point: those of the elements of slave and anchor.
+pub(crate) const MAX_NODES: usize = 2 * MAX_FACET_NODES;
 
-/// A vertex that takes part in contact at one point.
+/// A node that takes part in contact at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactNode<const D: usize> {
-    /// First local row of the velocity of the vertex; `None` if its motion is prescribed.
+    /// First local row of the velocity of the node; `None` if its motion is prescribed.
     pub row: Option<usize>,
-    /// Share `s_a` in the relative motion `x - Π(x)`: shape function (slave), minus barycentric coordinate (master).
+    /// Share `s_a` in the relative motion `x - Π(x)`: shape function (slave), minus shape function (master).
     pub share: f64,
-    /// Derivative `G_a` of the barycentric coordinate with respect to `x`; zero at the slave.
+    /// Derivative `G_a` of the master's shape function with respect to `x`; zero at the slave.
     pub gradient: Vector<D>,
     /// Derivative of the position at the end of the step with respect to the velocity, a time.
     pub slope: f64,
-    /// Displacement of the vertex over the step.
+    /// Displacement of the node over the step.
     pub displacement: Vector<D>,
-    /// Velocity of the vertex.
+    /// Velocity of the node.
     pub velocity: Vector<D>,
 }
 
@@ -54,6 +54,8 @@ pub struct ContactSite<const D: usize> {
     pub traction: ContactTraction,
     pub(crate) nodes: [ContactNode<D>; MAX_NODES],
     pub(crate) n_nodes: usize,
+    /// Number of nodes of the slave, the first ones.
+    pub(crate) n_slave_nodes: usize,
 }
 
 impl<const D: usize> ContactSite<D> {
@@ -77,10 +79,11 @@ impl<const D: usize> ContactSite<D> {
             traction: ContactTraction::default(),
             nodes: [ContactNode::none(); MAX_NODES],
             n_nodes: 0,
+            n_slave_nodes: 0,
         }
     }
 
-    /// Returns the vertices that take part, those of the slave first.
+    /// Returns the nodes that take part, those of the slave first.
     #[inline]
     pub fn nodes(&self) -> &[ContactNode<D>] {
         &self.nodes[..self.n_nodes]

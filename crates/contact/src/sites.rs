@@ -5,7 +5,8 @@ use std::sync::Arc;
 use algebra::{BlockLayout, DofId, RegimeHash, Sites};
 use body::{ByDof, SurfaceMotion, SurfaceStress};
 use mesh::{
-    BoundaryMesh, Coordinates, FacetId, MAX_FACET_VERTICES, Placed, Point, SimplexRule, Vector, VertexId, positive,
+    BoundaryMesh, Coordinates, FacetId, MAX_FACET_NODES, MAX_FACET_VERTICES, Placed, Point, SimplexRule, Vector,
+    VertexId, positive,
 };
 
 use crate::law::discrete_gradient;
@@ -69,9 +70,9 @@ impl<const D: usize> ContactForm<D> {
     }
 }
 
-/// Returns the point of a facet with the given shape functions of its corners.
-fn point_at<const D: usize>(corners: &[Point<D>; MAX_FACET_VERTICES], shape: &[f64; D]) -> Point<D> {
-    corners.iter().zip(shape).map(|(corner, share)| corner * *share).sum()
+/// Returns the point of a facet with the given shape functions of its corners or nodes.
+fn point_at<const D: usize>(nodes: &[Point<D>], shape: &[f64]) -> Point<D> {
+    nodes.iter().zip(shape).map(|(node, share)| node * *share).sum()
 }
 
 /// Slave and obstacle in one step.
@@ -131,7 +132,7 @@ struct Item<const D: usize> {
     candidates: Vec<FacetId>,
     /// Quadrature points. Those of one segment, on which the master's shape functions have no kinks, follow each other.
     points: Vec<SlavePoint<D>>,
-    /// Vertices of the candidates, each once, in order, with their first local rows.
+    /// Nodes of the candidates, each once, in order, with their first local rows.
     masters: Vec<(VertexId, Option<usize>)>,
     /// Dofs, each once: those of slave, master and stress.
     dofs: Vec<DofId>,
@@ -147,8 +148,8 @@ struct Item<const D: usize> {
 struct SlavePoint<const D: usize> {
     /// Index of the segment within the item.
     segment: usize,
-    /// Shape functions of the vertices of the facet.
-    shape: [f64; D],
+    /// Shape functions of the nodes of the facet ([`BoundaryMesh::nodes`]).
+    shape: [f64; MAX_FACET_NODES],
     /// Quadrature weight with the measure of the facet at the start of the step.
     weight: f64,
     /// Whether the point is past the end of the obstacle at the start of the step.
@@ -211,6 +212,8 @@ impl<const D: usize> ContactItems<D> {
         let placed = Placed::new(slave.boundary, &slave.start);
         let positions = master.map_or(&[][..], |master| &master.start);
         let mut items = Vec::new();
+        let master_bulge = master.map(|master| Placed::new(master.boundary, positions).bulge(master.boundary.facets()));
+        let reach = reach + placed.bulge(facets.iter().copied()) + master_bulge.unwrap_or(0.0);
         let candidates = obstacle.candidates(placed, facets, positions, reach);
         let is_searched = candidates.is_some();
         let is_gradient = pair.conserves && pair.form.law.energy_density(&ContactPoint::default()).is_some();
@@ -222,11 +225,11 @@ impl<const D: usize> ContactItems<D> {
             let mut dofs = Vec::new();
             let mut first_row = |surface: &SurfaceMotion<'_, D>, vertex: VertexId| {
                 let nodes = surface.field().map(|field| layout.node(field, vertex.index()));
-                // The dofs of a vertex follow each other, unless some of them were appended before.
+                // The dofs of a node follow each other, unless some of them were appended before.
                 nodes.and_then(|dofs_of| dofs_of.map(|dof| row_of(dof, &mut dofs)).min())
             };
-            for &vertex in slave.boundary.facet(facet) {
-                first_row(slave, vertex);
+            for &node in slave.boundary.nodes(facet) {
+                first_row(slave, node);
             }
             let (mut segments, mut masters) = (vec![Segment::whole()], Vec::new());
             if let Some(master) = master {
@@ -237,30 +240,30 @@ impl<const D: usize> ContactItems<D> {
                 if pair.form.law.restitution().is_none() {
                     segments = divide(&corners(placed.facet_points(facet)), opposite, slave.boundary.coordinates());
                 }
-                let vertices = master.boundary.vertices_of(&candidates);
-                masters = vertices.into_iter().map(|vertex| (vertex, first_row(master, vertex))).collect();
+                let nodes = master.boundary.nodes_of(&candidates);
+                masters = nodes.into_iter().map(|node| (node, first_row(master, node))).collect();
             }
             let mut of_stress = Vec::new();
             pair.stress.iter().for_each(|stress| stress.dofs(facet, &mut of_stress));
             of_stress.into_iter().for_each(|dof| _ = row_of(dof, &mut dofs));
-            let corners = placed.facet_points(facet);
+            let (corners, nodes) = (placed.facet_points(facet), placed.nodes(facet));
             let (coordinates, measure) = (slave.boundary.coordinates(), placed.facet_measure(facet));
             let mut points = Vec::new();
             for (number, segment) in segments.iter().enumerate() {
-                points.extend(pair.form.points_of(segment, &corners, coordinates).into_iter().map(
-                    |(shape, weight)| {
-                        let start = point_at(&corners, &shape);
-                        let is_past_end = obstacle.is_past_end(&start, Positions::Fixed(positions), &candidates);
-                        SlavePoint { segment: number, shape, weight: weight * (segment.share * measure), is_past_end }
-                    },
-                ));
+                points.extend(pair.form.points_of(segment, &corners, coordinates).into_iter().map(|(at, weight)| {
+                    let shape = slave.boundary.shape(facet, &at);
+                    let start = shape.at(&nodes);
+                    let is_past_end = obstacle.is_past_end(&start, Positions::Fixed(positions), &candidates);
+                    let shape = std::array::from_fn(|k| shape.values[k]);
+                    SlavePoint { segment: number, shape, weight: weight * (segment.share * measure), is_past_end }
+                }));
             }
             if points.iter().all(|point| point.weight == 0.0) {
                 // On the axis.
                 continue;
             }
             let begin_gap = |point: &SlavePoint<D>| {
-                let start = point_at(&corners, &point.shape);
+                let start = point_at(&nodes, &point.shape);
                 let found = obstacle.project(&start, Positions::Fixed(positions), &candidates);
                 found.map_or(f64::INFINITY, |projection| projection.gap(&start))
             };
@@ -293,7 +296,7 @@ impl<const D: usize> ContactSites<'_, D> {
         self.items.items[item].points[site.number].segment
     }
 
-    /// Returns a vertex of a surface, with position and displacement at the state `x`.
+    /// Returns a node of a surface, with position and displacement at the state `x`.
     fn node(
         &self,
         surface: &SurfaceMotion<'_, D>,
@@ -314,14 +317,13 @@ impl<const D: usize> ContactSites<'_, D> {
         let ContactPair { form, obstacle, master, .. } = self.pair;
         let positions = Positions::at_end(master, self.layout, x);
         let Some(projection) = obstacle.project(position, positions, &item.candidates) else { return false };
-        site.n_nodes = D;
-        if let (Anchor::Facet { facet, barycentric, barycentric_gradient }, Some(master)) = (projection.anchor, master)
-        {
-            for (k, &vertex) in master.boundary.facet(facet).iter().enumerate() {
-                let Ok(local) = item.masters.binary_search_by_key(&vertex, |(vertex, _)| *vertex) else { continue };
-                let node = self.node(master, vertex, item.masters[local].1, x).1;
-                site.nodes[D + k] = ContactNode { share: -barycentric[k], gradient: barycentric_gradient[k], ..node };
-                site.n_nodes = D + k + 1;
+        site.n_nodes = site.n_slave_nodes;
+        if let (Anchor::Facet { facet, shape, gradient, .. }, Some(master)) = (&projection.anchor, master) {
+            for (k, node) in master.boundary.nodes(*facet).iter().enumerate() {
+                let Ok(local) = item.masters.binary_search_by_key(node, |(node, _)| *node) else { continue };
+                let moved = self.node(master, *node, item.masters[local].1, x).1;
+                site.nodes[site.n_slave_nodes + k] = ContactNode { share: -shape[k], gradient: gradient[k], ..moved };
+                site.n_nodes = site.n_slave_nodes + k + 1;
             }
         }
         let frame = Frame::new(projection.normal);
@@ -348,20 +350,21 @@ impl<const D: usize> ContactSites<'_, D> {
     /// Visits the points of an item that are in contact, without their traction.
     fn each_point(&self, item: usize, x: &[f64], mut visit: impl FnMut(&mut ContactSite<D>)) {
         let (item, slave) = (&self.items.items[item], self.pair.slave);
-        let mut points = [Point::zeros(); D];
-        let mut site = ContactSite::new();
+        let nodes = slave.boundary.nodes(item.facet);
+        let mut points = [Point::zeros(); MAX_FACET_NODES];
+        let mut site = ContactSite { n_slave_nodes: nodes.len(), ..ContactSite::new() };
         if let Some(stress) = &self.pair.stress {
             let mut derivatives = ByDof::new();
             site.stress = stress.on(item.facet, x, &mut derivatives);
             let row = |dof: &DofId| item.dofs.iter().position(|other| other == dof);
             site.stress_derivatives.extend(derivatives.iter().filter_map(|(dof, by_dof)| Some((row(dof)?, *by_dof))));
         }
-        for (k, &vertex) in slave.boundary.facet(item.facet).iter().enumerate() {
-            (points[k], site.nodes[k]) = self.node(slave, vertex, slave.field().map(|_| D * k), x);
+        for (k, &node) in nodes.iter().enumerate() {
+            (points[k], site.nodes[k]) = self.node(slave, node, slave.field().map(|_| D * k), x);
         }
         for (number, point) in item.points.iter().enumerate().filter(|(_, point)| !point.is_past_end) {
             let mut position = Point::zeros();
-            for k in 0..D {
+            for k in 0..nodes.len() {
                 site.nodes[k].share = point.shape[k];
                 position += points[k] * point.shape[k];
             }

@@ -120,7 +120,8 @@ impl<const D: usize> BoundaryMesh<D> {
     }
 
     /// Returns the index of the facet of an element that a facet is a part of, and the index of the part.
-    fn element_of(&self, facet: FacetId) -> (usize, usize) {
+    #[inline]
+    pub fn element_of(&self, facet: FacetId) -> (usize, usize) {
         let n_parts = self.order.parts(D - 1).len();
         (facet.index() / n_parts, facet.index() % n_parts)
     }
@@ -151,12 +152,20 @@ impl<const D: usize> BoundaryMesh<D> {
         self.order.shape(D - 1, &self.order.in_part(D - 1, self.element_of(facet).1, &in_part))
     }
 
+    /// Returns all parts of the facet of an element; for order 1 the facet itself.
+    pub fn parts_of(&self, element: usize) -> impl Iterator<Item = FacetId> + use<D> {
+        let n_parts = self.order.parts(D - 1).len();
+        (element * n_parts..(element + 1) * n_parts).map(FacetId::new)
+    }
+
     /// Returns the vertices of facets, each once, in order.
     pub fn vertices_of(&self, facets: &[FacetId]) -> Vec<VertexId> {
-        let mut vertices: Vec<_> = facets.iter().flat_map(|&facet| self.facet(facet)).copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        vertices
+        each_once(facets.iter().flat_map(|&facet| self.facet(facet)))
+    }
+
+    /// Returns the nodes of facets ([`BoundaryMesh::nodes`]), each once, in order.
+    pub fn nodes_of(&self, facets: &[FacetId]) -> Vec<VertexId> {
+        each_once(facets.iter().flat_map(|&facet| self.nodes(facet)))
     }
 
     /// Returns the cell behind a facet; `None` for a surface without a volume mesh.
@@ -169,6 +178,14 @@ impl<const D: usize> BoundaryMesh<D> {
     pub fn tag(&self, facet: FacetId) -> Option<Tag> {
         self.tags[facet.index()]
     }
+}
+
+/// Returns vertices, each once, in order.
+fn each_once<'v>(vertices: impl Iterator<Item = &'v VertexId>) -> Vec<VertexId> {
+    let mut vertices: Vec<_> = vertices.copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
 }
 
 #[cfg(test)]

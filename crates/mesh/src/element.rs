@@ -103,6 +103,21 @@ impl Order {
         point
     }
 
+    /// Returns the part of a segment or triangle in which a point lies, and the smallest of its coordinates in the part.
+    pub fn part_at(self, dimension: usize, at: &Barycentric) -> (usize, f64) {
+        let smallest = |coordinates: &mut dyn Iterator<Item = f64>| coordinates.fold(f64::INFINITY, f64::min);
+        let corners = &at[..=dimension];
+        match (self, corners.iter().position(|l| *l >= 0.5)) {
+            (Self::Linear, _) => (0, smallest(&mut corners.iter().copied())),
+            (_, Some(corner)) => {
+                let doubled =
+                    corners.iter().enumerate().map(|(k, l)| if k == corner { 2.0 * l - 1.0 } else { 2.0 * l });
+                (corner, smallest(&mut { doubled }))
+            }
+            (_, None) => (dimension + 1, smallest(&mut corners.iter().map(|l| 1.0 - 2.0 * l))),
+        }
+    }
+
     /// Returns the barycentric coordinates of the mean of some nodes of a cell, given the identifiers of all its nodes
     /// and of these.
     pub fn middle_of(self, dimension: usize, cell: &[VertexId], nodes: &[VertexId]) -> Barycentric {
@@ -190,6 +205,21 @@ mod tests {
     use super::*;
 
     const ORDERS: [Order; 2] = [Order::Linear, Order::Quadratic];
+
+    #[test]
+    fn points_are_in_the_part_that_they_were_given_in() {
+        for (order, dimension) in ORDERS.into_iter().flat_map(|order| [1, 2].map(|n| (order, n))) {
+            for part in 0..order.parts(dimension).len() {
+                for at in [[0.7, 0.3, 0.0], [0.1, 0.9, 0.0], [0.2, 0.5, 0.3], [0.5, 0.1, 0.4]] {
+                    let [a, b, c] = if dimension == 1 { [at[0], 1.0 - at[0], 0.0] } else { at };
+                    let (found, smallest) = order.part_at(dimension, &order.in_part(dimension, part, &[a, b, c, 0.0]));
+                    let expected = if dimension == 1 { a.min(b) } else { a.min(b).min(c) };
+                    assert!(found == part || expected == 0.0, "{order:?}, {dimension}: {found} for {part}");
+                    assert!((smallest - expected).abs() < 1e-15, "{smallest} {expected}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn shape_functions_are_one_at_their_node_and_sum_to_one() {

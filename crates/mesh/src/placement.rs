@@ -3,8 +3,8 @@
 use crate::simplex::{factorial, points_of};
 use crate::tensor::area_vector;
 use crate::{
-    BoundaryMesh, FacetId, MAX_CELL_VERTICES, MAX_FACET_VERTICES, Point, SimplexRule, Tensor, Vector, mean,
-    simplex_measure,
+    BoundaryMesh, FacetId, MAX_CELL_VERTICES, MAX_FACET_NODES, MAX_FACET_VERTICES, Order, Point, SimplexRule, Tensor,
+    Vector, mean, simplex_measure,
 };
 
 /// A boundary with borrowed positions of its vertices: the current configuration is a view and not a second mesh.
@@ -37,6 +37,31 @@ impl<'m, const D: usize> Placed<'m, D> {
     #[inline]
     pub fn facet_points(&self, facet: FacetId) -> [Point<D>; MAX_FACET_VERTICES] {
         points_of(self.positions, self.boundary.facet(facet))
+    }
+
+    /// Returns the positions of the nodes of a facet ([`BoundaryMesh::nodes`]); the other entries are zero.
+    #[inline]
+    pub fn nodes(&self, facet: FacetId) -> [Point<D>; MAX_FACET_NODES] {
+        self.boundary.at_nodes(facet, |node| self.positions[node.index()])
+    }
+
+    /// Returns an upper bound of the distance between the facets of the surface and the curved elements of which they
+    /// are parts; zero for order 1. The difference of a quadratic function and its linear interpolation on a triangle
+    /// is at most four thirds of the largest difference in the middles of the edges.
+    pub fn bulge(&self, facets: impl Iterator<Item = FacetId>) -> f64 {
+        if self.boundary.order() == Order::Linear {
+            return 0.0;
+        }
+        let mut largest = 0.0_f64;
+        for facet in facets {
+            let (corners, nodes) = (self.facet_points(facet), self.nodes(facet));
+            for (i, j) in (0..D).flat_map(|j| (0..j).map(move |i| (i, j))) {
+                let middle = std::array::from_fn(|k| if k == i || k == j { 0.5 } else { 0.0 });
+                let curved = self.boundary.shape(facet, &middle).at(&nodes);
+                largest = largest.max((curved - mean(&[corners[i], corners[j]])).norm());
+            }
+        }
+        4.0 / 3.0 * largest
     }
 
     /// Returns the measure (length, area) of a facet.

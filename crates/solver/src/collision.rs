@@ -192,9 +192,9 @@ impl<const D: usize> CollisionPoint<D> {
         refs: StepRefs<'_, D>,
     ) -> Self {
         let mut ends = vec![(contact.body(), vertex, 1.0)];
-        if let (Some(id), Anchor::Facet { facet, barycentric, .. }) = (contact.master(), &found.anchor) {
-            let vertices = refs.bodies[id.index()].surface().boundary.facet(*facet);
-            ends.extend(vertices.iter().zip(barycentric).map(|(&vertex, share)| (id, vertex, -share)));
+        if let (Some(id), Anchor::Facet { facet, shape, .. }) = (contact.master(), &found.anchor) {
+            let nodes = refs.bodies[id.index()].surface().boundary.nodes(*facet);
+            ends.extend(nodes.iter().zip(shape).map(|(&vertex, share)| (id, vertex, -share)));
         }
         let (mut dofs, mut n_of_slave, mut given) = (Vec::new(), 0, [0.0; 2]);
         for (end, (id, vertex, share)) in ends.into_iter().enumerate() {

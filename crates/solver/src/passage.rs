@@ -46,9 +46,9 @@ pub(crate) fn passage<const D: usize>(
             let from = start[body][vertex.index()];
             let found = project(&from, near)?;
             let of_master = match (&found.anchor, master) {
-                (Anchor::Facet { facet, barycentric, .. }, Some(master)) => {
-                    let vertices = setup.bodies[master].surface().facet(*facet).iter().zip(barycentric);
-                    vertices.map(|(&vertex, share)| moved(master, vertex) * *share).sum()
+                (Anchor::Facet { facet, shape, .. }, Some(master)) => {
+                    let nodes = setup.bodies[master].surface().nodes(*facet).iter().zip(shape);
+                    nodes.map(|(&node, share)| moved(master, node) * *share).sum()
                 }
                 _ => Vector::zeros(),
             };

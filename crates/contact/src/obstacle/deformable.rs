@@ -1,8 +1,12 @@
 //! The moving boundary of another body as an obstacle.
 
 use mesh::search::{Feature, Foot, SurfaceIndex, VertexToFacet, facets_are_within};
-use mesh::{Aabb, BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, Tensor, Vector, VertexId, facet_normal};
+use mesh::{
+    Aabb, BoundaryMesh, FacetId, MAX_FACET_NODES, MAX_FACET_VERTICES, Order, Placed, Point, Tensor, Vector, VertexId,
+    facet_normal,
+};
 
+use super::curved::{self, CurvedFoot};
 use super::{Anchor, Obstacle, Projection};
 use crate::{Error, Positions};
 
@@ -11,7 +15,7 @@ const TOUCHING: f64 = 1e-8;
 
 /// Part of the boundary of a body that acts as an obstacle.
 ///
-/// The closest point is exact, on segments or triangles. The normal `n^w` is minus the normal of the facet if the
+/// The closest point is exact, on segments or triangles, or on curved elements of order 2. The normal `n^w` is minus the normal of the facet if the
 /// closest point lies inside a facet. On an edge or vertex, it is the unit vector from `x` to the closest point,
 /// reversed if `x` has penetrated, or minus the pseudo-normal if the two points coincide. The sign of the gap follows
 /// from the pseudo-normal.
@@ -82,7 +86,7 @@ impl<const D: usize> DeformableObstacle<D> {
         let (mut near, at) = (Vec::new(), Positions::Fixed(positions));
         self.overlapping(index, &Aabb::of_points([x]).expanded(index.closest(x)?.reach(x)), &mut near);
         let closest = self.closest(x, at, &near)?;
-        let gap = self.projection(x, &closest, at).gap(x);
+        let gap = self.project(x, at, &near)?.gap(x);
         let has_sign = || !self.is_on_rim(&closest) && !self.is_past_end(x, at, &near);
         (gap >= 0.0 || has_sign()).then_some(gap)
     }
@@ -146,9 +150,50 @@ impl<const D: usize> DeformableObstacle<D> {
         at: Positions<'_, D>,
     ) -> Projection<D> {
         let (normal, normal_gradient) = self.normal(x, *facet, foot, at);
-        let anchor =
-            Anchor::Facet { facet: *facet, barycentric: foot.barycentric, barycentric_gradient: foot.gradient };
+        let (mut shape, mut gradient) = ([0.0; MAX_FACET_NODES], [Vector::zeros(); MAX_FACET_NODES]);
+        shape[..D].copy_from_slice(&foot.barycentric[..D]);
+        gradient[..D].copy_from_slice(&foot.gradient[..D]);
+        let inside = shape[..D].iter().copied().fold(f64::INFINITY, f64::min);
+        let anchor = Anchor::Facet { facet: *facet, inside, shape, gradient, metric: Tensor::identity() };
         Projection { point: foot.point, normal, normal_gradient, anchor }
+    }
+
+    /// Returns the projection onto the curved elements of which the candidates are parts; `None` for order 1 and
+    /// without candidates.
+    pub(super) fn curved(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>> {
+        let (boundary, order) = (&self.boundary, self.boundary.order());
+        if order == Order::Linear {
+            return None;
+        }
+        let mut best: Option<(FacetId, CurvedFoot<D>)> = None;
+        let mut before = None;
+        for &facet in candidates {
+            // The parts of an element follow each other.
+            let element = boundary.element_of(facet).0;
+            if before.replace(element) == Some(element) {
+                continue;
+            }
+            let nodes = boundary.at_nodes(facet, |node| at.at(node));
+            let bound = || curved::bounds(&nodes).squared_distance(x);
+            if best.as_ref().is_some_and(|(_, known)| known.is_closer_than(bound())) {
+                continue;
+            }
+            let foot = CurvedFoot::new(x, &nodes);
+            if best.as_ref().is_none_or(|(_, known)| foot.is_preferred_to(known)) {
+                best = Some((facet, foot));
+            }
+        }
+        let (facet, foot) = best?;
+        let (part, inside) = order.part_at(D - 1, &foot.at);
+        let facet = boundary.parts_of(boundary.element_of(facet).0).nth(part).unwrap_or(facet);
+        let (normal, normal_gradient) = foot.normal.unwrap_or_else(|| {
+            let feature = Feature::Vertex(boundary.nodes(facet)[foot.node()]);
+            let outward = self.vertex_to_facet.pseudo_normal(boundary, |v| at.at(v), facet, feature);
+            let size = (at.at(boundary.nodes(facet)[1]) - at.at(boundary.nodes(facet)[0])).norm();
+            normal_at_kink(x, &foot.point, outward, size, &foot.point_gradient)
+        });
+        let anchor = Anchor::Facet { facet, inside, shape: foot.shape, gradient: foot.gradient, metric: foot.metric };
+        Some(Projection { point: foot.point, normal, normal_gradient, anchor })
     }
 
     /// Returns whether a condition holds for all facets around a closest point.
@@ -192,27 +237,42 @@ impl<const D: usize> DeformableObstacle<D> {
         let feature = foot.feature(vertices);
         let position = |v| at.at(v);
         let outward = self.vertex_to_facet.pseudo_normal(&self.boundary, position, facet, feature);
-        let away = x - foot.point;
-        let distance = away.norm();
         let points = facet_points(vertices, at);
         let size = (points[1] - points[0]).norm();
-        if feature == Feature::Facet || distance <= TOUCHING * size {
+        if feature == Feature::Facet {
             return (-outward, Tensor::zeros());
         }
-        let gap = if away.dot(&outward) >= 0.0 { distance } else { -distance };
-        let normal = -away / gap;
-        // ∇n = -(I - n nᵀ - ∇Π)/Δ with ∇Π = Σ_k (x_k - Π) ⊗ ∇l_k, l_k the barycentric coordinates of the closest point.
-        let mut projector = Tensor::identity() - normal * normal.transpose();
-        for (point, gradient) in points[..D].iter().zip(&foot.gradient) {
-            projector -= (point - foot.point) * gradient.transpose();
-        }
-        (normal, -projector / gap)
+        // ∇Π = Σ_k (x_k - Π) ⊗ ∇l_k, l_k the barycentric coordinates of the closest point.
+        let gradients = points[..D].iter().zip(&foot.gradient);
+        let gradient = gradients.map(|(point, gradient)| (point - foot.point) * gradient.transpose()).sum();
+        normal_at_kink(x, &foot.point, outward, size, &gradient)
     }
+}
+
+/// Returns the normal into the obstacle and its derivative at a closest point on an edge or vertex, given the
+/// pseudo-normal, a length, and the derivative of the closest point.
+fn normal_at_kink<const D: usize>(
+    x: &Point<D>,
+    closest: &Point<D>,
+    outward: Vector<D>,
+    size: f64,
+    gradient: &Tensor<D>,
+) -> (Vector<D>, Tensor<D>) {
+    let away = x - closest;
+    let distance = away.norm();
+    if distance <= TOUCHING * size {
+        return (-outward, Tensor::zeros());
+    }
+    let gap = if away.dot(&outward) >= 0.0 { distance } else { -distance };
+    let normal = -away / gap;
+    // ∇n = -(I - n nᵀ - ∇Π)/Δ
+    (normal, -(Tensor::identity() - normal * normal.transpose() - gradient) / gap)
 }
 
 impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
     fn project(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>> {
-        self.closest(x, at, candidates).map(|found| self.projection(x, &found, at))
+        let flat = || self.closest(x, at, candidates).map(|found| self.projection(x, &found, at));
+        self.curved(x, at, candidates).or_else(flat)
     }
 
     fn is_past_end(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> bool {

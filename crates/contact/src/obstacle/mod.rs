@@ -1,6 +1,7 @@
 //! Obstacles: closest points, normals and gaps.
 
 mod check;
+mod curved;
 mod deformable;
 mod own;
 mod rigid_ball;
@@ -14,7 +15,7 @@ pub use rigid_ball::RigidBall;
 pub use rigid_plane::RigidPlane;
 pub use rigid_surface::RigidSurface;
 
-use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, Tensor, Vector};
+use mesh::{BoundaryMesh, FacetId, MAX_FACET_NODES, Placed, Point, Tensor, Vector};
 
 use crate::Positions;
 
@@ -23,14 +24,19 @@ use crate::Positions;
 pub enum Anchor<const D: usize> {
     /// A point that does not move.
     Fixed,
-    /// A facet of the obstacle's boundary. Arrays have one entry per vertex of the facet.
+    /// A facet of the obstacle's boundary. Arrays have one entry per node of the facet ([`BoundaryMesh::nodes`]).
     Facet {
         /// The facet.
         facet: FacetId,
-        /// Barycentric coordinates of the closest point; zero at vertices that do not carry it.
-        barycentric: [f64; MAX_FACET_VERTICES],
-        /// Derivatives of these coordinates with respect to the point that is projected.
-        barycentric_gradient: [Vector<D>; MAX_FACET_VERTICES],
+        /// Smallest barycentric coordinate of the closest point in the facet.
+        inside: f64,
+        /// Shape functions `N_a` at the closest point; zero at nodes that do not carry it.
+        shape: [f64; MAX_FACET_NODES],
+        /// Derivatives `G_a` of the shape functions with respect to the point that is projected.
+        gradient: [Vector<D>; MAX_FACET_NODES],
+        /// Metric `W`. When a node `b` of the facet moves by `δ`, `N_a` changes by `N_b G_a · δ - Δ (G_a · W G_b) n · δ`,
+        /// with the gap `Δ` and the normal `n`. It is the identity for flat facets.
+        metric: Tensor<D>,
     },
 }
 

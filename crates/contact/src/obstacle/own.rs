@@ -86,6 +86,7 @@ impl<const D: usize> Obstacle<D> for OwnSurface<D> {
     fn project(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>> {
         let closest = self.surface.closest(x, at, candidates)?;
         let found = self.surface.projection(x, &closest, at);
+        let found = self.surface.curved(x, at, candidates).unwrap_or(found);
         let is_known = found.gap(x) >= 0.0 || self.surface.holds_around(&closest, |facet| candidates.contains(facet));
         is_known.then_some(found)
     }
@@ -109,7 +110,9 @@ impl<const D: usize> Obstacle<D> for OwnSurface<D> {
     ) -> Option<Vec<Vec<FacetId>>> {
         let mut found = self.surface.candidates(slave, facets, positions, reach)?;
         for (&facet, candidates) in facets.iter().zip(&mut found) {
-            candidates.retain(|&other| self.may_touch(facet, other, positions));
+            // The closest point may lie on any part of a curved element.
+            let parts = |&other: &FacetId| self.surface.boundary.parts_of(self.surface.boundary.element_of(other).0);
+            candidates.retain(|other| parts(other).all(|part| self.may_touch(facet, part, positions)));
         }
         Some(found)
     }

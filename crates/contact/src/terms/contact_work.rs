@@ -3,7 +3,7 @@
 use algebra::{LocalSystem, Term};
 use mesh::{Tensor, Vector};
 
-use crate::{ContactNode, ContactSite};
+use crate::{Anchor, ContactNode, ContactSite};
 
 /// `-(f, w^s - w^m)_{Γ^{s,n}}` with the traction `f = λ n^w + τ`; penalty: `+ (γ_C0/s) ([ε - Δ]₊, w_n^s - w_n^m)`
 ///
@@ -12,10 +12,10 @@ use crate::{ContactNode, ContactSite};
 /// measure is that at the start of the step. Positions are the shifted positions of the time scheme (implicit Euler:
 /// those at the end).
 /// Units: force (2D: per unit depth).
-/// With the share `s_a` of a vertex in `r = x - Π(x)` (`N_a` at the slave, minus the barycentric coordinate `β_a` at
-/// the master), `G_a = ∂β_a/∂x` (zero at the slave) and `C = ∂n/∂x`, all vertices alike:
+/// With the share `s_a` of a node in `r = x - Π(x)` (the shape function `N_a` at the slave, `-N_a` at the master),
+/// `G_a = ∂N_a/∂x` (zero at the slave), `C = ∂n/∂x` and the metric `W` ([`Anchor::Facet`]), all nodes alike:
 ///   residual_a = -∫ s_a f,    tangent_ab = -c_d ∫ (f ⊗ ∂s_a/∂x_b + s_a ∂f/∂x_b),
-///   ∂Δ/∂x_b = -s_b n,    ∂n/∂x_b = s_b C - G_b ⊗ n,    ∂s_a/∂x_b = Δ (G_a · G_b) n - s_b G_a,
+///   ∂Δ/∂x_b = -s_b n,    ∂n/∂x_b = s_b C - G_b ⊗ n,    ∂s_a/∂x_b = Δ (G_a · W G_b) n - s_b G_a,
 /// and `∂f` by the chain rule through gap, slip, stress and frame: exact wherever the projection is smooth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactWork;
@@ -48,7 +48,11 @@ impl<const D: usize> Term<ContactSite<D>> for ContactWork {
 
 /// Returns `∂s_a/∂x_b`.
 fn share_by_position<const D: usize>(site: &ContactSite<D>, a: &ContactNode<D>, b: &ContactNode<D>) -> Vector<D> {
-    site.projection.normal * (site.at.gap * a.gradient.dot(&b.gradient)) - a.gradient * b.share
+    let along = match &site.projection.anchor {
+        Anchor::Facet { metric, .. } => metric * b.gradient,
+        Anchor::Fixed => b.gradient,
+    };
+    site.projection.normal * (site.at.gap * a.gradient.dot(&along)) - a.gradient * b.share
 }
 
 /// Returns the change of the traction with a change of the stress, given in the frame.

@@ -1,0 +1,174 @@
+//! Closest points of curved elements.
+
+use mesh::{Aabb, Barycentric, MAX_FACET_NODES, Order, Point, Tensor, Vector, area_vector};
+
+/// Largest number of Newton iterations.
+const MOST_ITERATIONS: usize = 20;
+/// Change of coordinates at which the iteration has converged.
+const CONVERGED: f64 = 1e-14;
+/// Barycentric coordinates above minus this value are inside.
+const INSIDE: f64 = 1e-13;
+/// Squared distances with a smaller relative difference are treated as equal.
+const TIE: f64 = 1e-8;
+
+/// Closest point `Π(x)` of the facet of a quadratic element to a point `x`, with derivatives.
+///
+/// The point lies inside of the facet, or on one of its edges or vertices. Its coordinates along the tangents `t_i` of
+/// the facet or edge fulfil `(x - Π) · t_i = 0`. With the shape functions `N_a`, `g_ij = t_i · t_j` and
+///   `A_ij = g_ij - (x - Π) · ∂_i ∂_j Π`
+/// their derivatives are `G_a = Σ_ij ∂_i N_a A⁻¹_ij t_j`. The metric is `W = T g⁻¹ A g⁻¹ Tᵀ` with the tangents as
+/// columns of `T`, so that `G_a · W G_b = Σ_ij ∂_i N_a A⁻¹_ij ∂_j N_b`.
+///
+/// Source: Wriggers 2006, Computational Contact Mechanics, Chap. 4, DOI 10.1007/978-3-540-32609-0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CurvedFoot<const D: usize> {
+    /// The closest point.
+    pub(super) point: Point<D>,
+    squared_distance: f64,
+    /// Barycentric coordinates in the facet of the element; exactly zero at vertices that do not span the feature.
+    pub(super) at: Barycentric,
+    /// Shape functions.
+    pub(super) shape: [f64; MAX_FACET_NODES],
+    /// Derivatives of the shape functions with respect to `x`.
+    pub(super) gradient: [Vector<D>; MAX_FACET_NODES],
+    /// The metric `W`.
+    pub(super) metric: Tensor<D>,
+    /// Derivative of the closest point with respect to `x`.
+    pub(super) point_gradient: Tensor<D>,
+    /// Normal into the body and its derivative with respect to `x`, if the closest point lies inside of the facet.
+    pub(super) normal: Option<(Vector<D>, Tensor<D>)>,
+    /// Local vertices that span the feature, one bit each.
+    face: usize,
+}
+
+/// Returns a box that contains the facet of a quadratic element: that of its control points as a Bézier patch.
+pub(super) fn bounds<const D: usize>(nodes: &[Point<D>; MAX_FACET_NODES]) -> Aabb<D> {
+    let n_nodes = Order::Quadratic.n_nodes(D - 1);
+    let control = |k: usize| {
+        let mean: Point<D> = nodes[..D].iter().zip(Order::Quadratic.node(D - 1, k)).map(|(x, l)| x * l).sum();
+        if k < D { nodes[k] } else { nodes[k] * 2.0 - mean }
+    };
+    Aabb::of_points((0..n_nodes).map(control).collect::<Vec<_>>().iter())
+}
+
+impl<const D: usize> CurvedFoot<D> {
+    /// Computes the closest point of the facet of an element with the given nodes: inside of the facet if there is one,
+    /// otherwise the closest of those of the edges and vertices.
+    pub(super) fn new(x: &Point<D>, nodes: &[Point<D>; MAX_FACET_NODES]) -> Self {
+        let whole = (1_usize << D) - 1;
+        if let Some(foot) = Self::on_face(x, nodes, whole) {
+            return foot;
+        }
+        let faces = (1..whole).filter_map(|face| Self::on_face(x, nodes, face));
+        let closer = |best: Self, foot: Self| if foot.is_preferred_to(&best) { foot } else { best };
+        faces.reduce(closer).expect("a vertex")
+    }
+
+    /// Returns whether a point at the given squared distance is farther away, by more than round-off.
+    pub(super) fn is_closer_than(&self, squared_distance: f64) -> bool {
+        squared_distance > self.squared_distance * (1.0 + TIE)
+    }
+
+    /// Returns whether this point is closer, or equally close and on a feature of higher dimension.
+    pub(super) fn is_preferred_to(&self, other: &Self) -> bool {
+        let tolerance = TIE * other.squared_distance;
+        self.squared_distance < other.squared_distance - tolerance
+            || (self.squared_distance <= other.squared_distance + tolerance
+                && self.face.count_ones() > other.face.count_ones())
+    }
+
+    /// Returns the node in the middle of the vertex or edge that is the feature.
+    pub(super) fn node(&self) -> usize {
+        let n_nodes = Order::Quadratic.n_nodes(D - 1);
+        let spans = |node: &usize| {
+            let at = Order::Quadratic.node(D - 1, *node);
+            (0..D).all(|k| (at[k] > 0.0) == (self.face & (1 << k) != 0))
+        };
+        (0..n_nodes).find(spans).unwrap_or(0)
+    }
+
+    /// Computes the closest point of the surface or line through a facet, edge or vertex, by Newton's method from its
+    /// middle; `None` if it lies outside, or the iteration does not converge.
+    fn on_face(x: &Point<D>, nodes: &[Point<D>; MAX_FACET_NODES], face: usize) -> Option<Self> {
+        let spans = |k: &usize| face & (1 << k) != 0;
+        let base = (0..D).find(spans)?;
+        let others = || (base + 1..D).filter(spans);
+        let order = Order::Quadratic;
+        let n_nodes = order.n_nodes(D - 1);
+        let mut at = Barycentric::default();
+        (0..D).filter(spans).for_each(|k| at[k] = 1.0 / f64::from(face.count_ones()));
+        // Derivatives of shape functions while coordinate k grows and that of the base falls.
+        let along = |derivatives: &[f64; 3], k: usize| {
+            let by = |k: usize| if k == 0 { 0.0 } else { derivatives[k - 1] };
+            by(k) - by(base)
+        };
+        let tangents = |at: &Barycentric| {
+            let shape = order.shape(D - 1, at);
+            let mut tangents = Tensor::<D>::zeros();
+            for k in others() {
+                let tangent = nodes.iter().zip(&shape.derivatives[..n_nodes]).map(|(x, by)| x * along(by, k)).sum();
+                tangents.set_column(k, &tangent);
+            }
+            (shape, tangents)
+        };
+        // Coordinates that do not span the feature are columns of the identity.
+        let fixed = Tensor::<D>::from_fn(|i, j| if i == j && others().all(|k| k != i) { 1.0 } else { 0.0 });
+        let mut is_converged = false;
+        for iteration in 0..=MOST_ITERATIONS {
+            let (shape, t) = tangents(&at);
+            let point = shape.at(&nodes[..n_nodes]);
+            let r = x - point;
+            // Second derivatives are constant: differences of tangents.
+            let mut bending = [Tensor::<D>::zeros(); 3];
+            for l in others() {
+                let mut ahead = at;
+                ahead[l] += 1.0;
+                ahead[base] -= 1.0;
+                bending[l] = tangents(&ahead).1 - t;
+            }
+            let by_bending = |v: &Vector<D>| Tensor::<D>::from_fn(|i, j| bending[j].column(i).dot(v));
+            let g = t.transpose() * t + fixed;
+            let a = g - by_bending(&r);
+            let inverse_g = g.try_inverse()?;
+            // Where the distance is no minimum, the curvature is left out.
+            let (inverse, is_minimum) = match a.cholesky() {
+                Some(factor) => (factor.inverse(), true),
+                None => (inverse_g, false),
+            };
+            if is_converged {
+                let is_inside = (0..D).filter(spans).all(|k| at[k] >= -INSIDE);
+                if !is_inside || !is_minimum {
+                    return None;
+                }
+                let by_coordinates = |derivatives: &[f64; 3]| {
+                    let mut by = Vector::<D>::zeros();
+                    others().for_each(|k| by[k] = along(derivatives, k));
+                    by
+                };
+                let to_gradient = t * inverse;
+                let normal = (face.count_ones() as usize == D).then(|| {
+                    let into = -area_vector(&t).normalize();
+                    (into, -(t * inverse_g * by_bending(&into) * inverse * t.transpose()))
+                });
+                return Some(Self {
+                    point,
+                    squared_distance: r.norm_squared(),
+                    at,
+                    shape: std::array::from_fn(|k| shape.values[k]),
+                    gradient: std::array::from_fn(|k| to_gradient * by_coordinates(&shape.derivatives[k])),
+                    metric: t * inverse_g * a * inverse_g * t.transpose(),
+                    point_gradient: to_gradient * t.transpose(),
+                    normal,
+                    face,
+                });
+            }
+            let step = inverse * (t.transpose() * r);
+            for k in others() {
+                at[k] += step[k];
+                at[base] -= step[k];
+            }
+            is_converged = step.norm() < CONVERGED || iteration + 1 == MOST_ITERATIONS && step.norm() < 1e-10;
+        }
+        None
+    }
+}
