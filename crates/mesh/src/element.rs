@@ -103,7 +103,7 @@ impl Order {
         point
     }
 
-    /// Returns the part of a segment or triangle in which a point lies, and the smallest of its coordinates in the part.
+    /// Returns the part of a segment or triangle in which a point lies, and the smallest of its coordinates there.
     pub fn part_at(self, dimension: usize, at: &Barycentric) -> (usize, f64) {
         let smallest = |coordinates: &mut dyn Iterator<Item = f64>| coordinates.fold(f64::INFINITY, f64::min);
         let corners = &at[..=dimension];

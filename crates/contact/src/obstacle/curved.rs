@@ -4,8 +4,8 @@ use mesh::{Aabb, Barycentric, MAX_FACET_NODES, Order, Point, Tensor, Vector, are
 
 /// Largest number of Newton iterations.
 const MOST_ITERATIONS: usize = 20;
-/// Change of coordinates at which the iteration has converged.
-const CONVERGED: f64 = 1e-14;
+/// Correction of coordinates that is the last one. The error after it is of the order of its square.
+const LAST: f64 = 1e-9;
 /// Barycentric coordinates above minus this value are inside.
 const INSIDE: f64 = 1e-13;
 /// Squared distances with a smaller relative difference are treated as equal.
@@ -59,9 +59,10 @@ impl<const D: usize> CurvedFoot<D> {
         if let Some(foot) = Self::on_face(x, nodes, whole) {
             return foot;
         }
-        let faces = (1..whole).filter_map(|face| Self::on_face(x, nodes, face));
+        let edges = (1..whole).filter(|face| face.count_ones() > 1).filter_map(|face| Self::on_face(x, nodes, face));
+        let vertices = (1..D).map(|vertex| Self::on_vertex(x, nodes, vertex));
         let closer = |best: Self, foot: Self| if foot.is_preferred_to(&best) { foot } else { best };
-        faces.reduce(closer).expect("a vertex")
+        edges.chain(vertices).fold(Self::on_vertex(x, nodes, 0), closer)
     }
 
     /// Returns whether a point at the given squared distance is farther away, by more than round-off.
@@ -87,8 +88,24 @@ impl<const D: usize> CurvedFoot<D> {
         (0..n_nodes).find(spans).unwrap_or(0)
     }
 
-    /// Computes the closest point of the surface or line through a facet, edge or vertex, by Newton's method from its
-    /// middle; `None` if it lies outside, or the iteration does not converge.
+    /// Returns a vertex as the closest point.
+    fn on_vertex(x: &Point<D>, nodes: &[Point<D>; MAX_FACET_NODES], vertex: usize) -> Self {
+        let at = Order::Quadratic.node(D - 1, vertex);
+        Self {
+            point: nodes[vertex],
+            squared_distance: (x - nodes[vertex]).norm_squared(),
+            at,
+            shape: std::array::from_fn(|node| f64::from(u8::from(node == vertex))),
+            gradient: [Vector::zeros(); MAX_FACET_NODES],
+            metric: Tensor::identity(),
+            point_gradient: Tensor::zeros(),
+            normal: None,
+            face: 1 << vertex,
+        }
+    }
+
+    /// Computes the closest point of the surface or line through a facet or edge, by Newton's method from its middle;
+    /// `None` if it lies outside, or the iteration does not converge.
     fn on_face(x: &Point<D>, nodes: &[Point<D>; MAX_FACET_NODES], face: usize) -> Option<Self> {
         let spans = |k: &usize| face & (1 << k) != 0;
         let base = (0..D).find(spans)?;
@@ -114,7 +131,7 @@ impl<const D: usize> CurvedFoot<D> {
         // Coordinates that do not span the feature are columns of the identity.
         let fixed = Tensor::<D>::from_fn(|i, j| if i == j && others().all(|k| k != i) { 1.0 } else { 0.0 });
         let mut is_converged = false;
-        for iteration in 0..=MOST_ITERATIONS {
+        for _ in 0..=MOST_ITERATIONS {
             let (shape, t) = tangents(&at);
             let point = shape.at(&nodes[..n_nodes]);
             let r = x - point;
@@ -167,7 +184,7 @@ impl<const D: usize> CurvedFoot<D> {
                 at[k] += step[k];
                 at[base] -= step[k];
             }
-            is_converged = step.norm() < CONVERGED || iteration + 1 == MOST_ITERATIONS && step.norm() < 1e-10;
+            is_converged = step.norm() < LAST;
         }
         None
     }

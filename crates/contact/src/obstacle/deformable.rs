@@ -15,10 +15,11 @@ const TOUCHING: f64 = 1e-8;
 
 /// Part of the boundary of a body that acts as an obstacle.
 ///
-/// The closest point is exact, on segments or triangles, or on curved elements of order 2. The normal `n^w` is minus the normal of the facet if the
-/// closest point lies inside a facet. On an edge or vertex, it is the unit vector from `x` to the closest point,
-/// reversed if `x` has penetrated, or minus the pseudo-normal if the two points coincide. The sign of the gap follows
-/// from the pseudo-normal.
+/// The closest point is exact, on segments or triangles, or on the curved facets of elements of order 2. The normal
+/// `n^w` is minus the normal of the facet if the closest point lies inside a facet. On an edge or vertex, it is the
+/// unit vector from `x` to the closest point, reversed if `x` has penetrated, or minus the pseudo-normal if the two
+/// points coincide. The sign of the gap follows from the pseudo-normal, on elements of order 2 that of their linear
+/// parts.
 ///
 /// Source: paper, Sec. 2.3; pseudo-normals: [`VertexToFacet::pseudo_normal`].
 #[derive(Clone, Debug)]

@@ -34,8 +34,8 @@ pub enum Anchor<const D: usize> {
         shape: [f64; MAX_FACET_NODES],
         /// Derivatives `G_a` of the shape functions with respect to the point that is projected.
         gradient: [Vector<D>; MAX_FACET_NODES],
-        /// Metric `W`. When a node `b` of the facet moves by `δ`, `N_a` changes by `N_b G_a · δ - Δ (G_a · W G_b) n · δ`,
-        /// with the gap `Δ` and the normal `n`. It is the identity for flat facets.
+        /// Metric `W`. When a node `b` of the facet moves by `δ`, `N_a` changes by `-N_b G_a · δ - Δ (G_a · W G_b) n ·
+        /// δ`, with the gap `Δ` and the normal `n`. It is the identity for flat facets.
         metric: Tensor<D>,
     },
 }

@@ -5,11 +5,13 @@ use std::sync::Arc;
 use cutwater::algebra::time::QuasiStatic;
 use cutwater::contact::{ContactForm, DeformableObstacle, NitscheLaw};
 use cutwater::mesh::generate::structured_box;
-use cutwater::mesh::{BodyId, FacetId};
-use cutwater::solid_svk::{LameParameters, LinearElastic, Load, Material, SaintVenantKirchhoff, SupportKind};
+use cutwater::mesh::{BodyId, Coordinates, FacetId};
+use cutwater::solid_svk::{
+    LameParameters, LinearElastic, Load, Material, Order, SaintVenantKirchhoff, SolidMesh, SupportKind,
+};
 use cutwater::solver::ContactObstacle;
 
-use super::super::dry::{Elastic, GAMMA_0, Touch, elastic, floor_by, pushed, run};
+use super::super::dry::{Elastic, GAMMA_0, Touch, elastic_of, floor_by, pushed, run};
 use super::super::{Failure, Record, V};
 
 // Tolerances of pressures, relative to the exact one, and of gaps, relative to the height of a block.
@@ -24,15 +26,27 @@ const LAME: f64 = 50.0;
 /// Steps in which large or unsupported pushes are applied.
 const LOAD_STEPS: u32 = 5;
 
-/// Returns a block with its left side on the axis.
+/// Returns a block of linear elements with its left side on the axis.
 fn block(
+    ends: [f64; 2],
+    width: f64,
+    n: [usize; 2],
+    material: impl Material<2> + 'static,
+) -> Result<Elastic<2>, Failure> {
+    block_of((Order::Linear, Coordinates::Cartesian), ends, width, n, material)
+}
+
+/// Returns a block of elements of an order in the given coordinates, with its left side on the axis.
+fn block_of(
+    (order, coordinates): (Order, Coordinates),
     [bottom, top]: [f64; 2],
     width: f64,
     n: [usize; 2],
     material: impl Material<2> + 'static,
 ) -> Result<Elastic<2>, Failure> {
-    let mesh = structured_box::<2>([0.0, bottom], [width, top], n)?;
-    let mut body = elastic(mesh, 1.0, material, V::zeros(), Arc::new(QuasiStatic))?;
+    let mesh = structured_box::<2>([0.0, bottom], [width, top], n)?.with_coordinates(coordinates)?;
+    let solid = SolidMesh::of_order(mesh, order)?;
+    let mut body = elastic_of(solid, 1.0, material, V::zeros(), Arc::new(QuasiStatic))?;
     body.hold("left", SupportKind::symmetry(0))?;
     Ok(body)
 }
@@ -78,13 +92,22 @@ fn two_blocks(record: &mut Record) -> Result<(), Failure> {
     let linear = || Ok::<_, Failure>(LinearElastic::new(LameParameters::new(LAME, LAME)?));
     let gamma_0 = GAMMA_0[0];
     let law = |name: &str| format!("Nitsche, gamma_0 = {gamma_0}, {name}");
-    let [mut upper, mut lower] =
-        [block([1.0 + OFFSET, 2.0 + OFFSET], 1.0, [4, 4], linear()?)?, block([0.0, 1.0], 1.0, [3, 3], linear()?)?];
-    upper.hold("top", pushed([None, Some(-0.01)]))?;
-    lower.hold("bottom", SupportKind::symmetry(1))?;
-    let contact = on(&upper, &lower, gamma_0, OFFSET)?;
-    let pressure = modulus(LAME) * 0.005;
-    record_pile(record, &law("two blocks, 4 on 3"), (vec![upper, lower], contact), (1, pressure))?;
+    // The modulus of plane strain, and Young's.
+    let plane = ("", Coordinates::Cartesian, modulus(LAME));
+    let around_axis = ("around the axis, ", Coordinates::Axisymmetric, 2.5 * LAME);
+    for ((place, coordinates, modulus), order) in
+        [plane, around_axis].into_iter().flat_map(|of| [Order::Linear, Order::Quadratic].map(|order| (of, order)))
+    {
+        let [mut upper, mut lower] = [
+            block_of((order, coordinates), [1.0 + OFFSET, 2.0 + OFFSET], 1.0, [4, 4], linear()?)?,
+            block_of((order, coordinates), [0.0, 1.0], 1.0, [3, 3], linear()?)?,
+        ];
+        upper.hold("top", pushed([None, Some(-0.01)]))?;
+        lower.hold("bottom", SupportKind::symmetry(1))?;
+        let contact = on(&upper, &lower, gamma_0, OFFSET)?;
+        let name = format!("two blocks of order {}, {place}4 on 3", order.degree());
+        record_pile(record, &law(&name), (vec![upper, lower], contact), (1, modulus * 0.005))?;
+    }
 
     let stiff = || Ok::<_, Failure>(LinearElastic::new(LameParameters::from_young_poisson(2e6, 0.0)?));
     let [mut upper, mut lower] =
