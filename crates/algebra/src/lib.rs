@@ -50,6 +50,7 @@
 //! # Ok::<(), NewtonError>(())
 //! ```
 
+mod anderson;
 mod block_system;
 mod check;
 mod constraints;
@@ -67,6 +68,7 @@ mod tied;
 pub mod time;
 mod workspace;
 
+pub use anderson::Anderson;
 pub use block_system::{BlockSystem, ContributionTiming};
 pub use check::{TangentDeviation, check_tangent, worse, worst_tangent_entry};
 pub use constraints::Constraints;

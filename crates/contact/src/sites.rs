@@ -46,17 +46,17 @@ impl<const D: usize> ContactForm<D> {
         self.size
     }
 
-    /// Returns the quadrature points of a segment: their barycentric coordinates in the facet with the given corners,
-    /// and their weights relative to the measure of the segment. They contain the weight of the coordinates. Where the
-    /// segment begins on the axis, the rule has the radius as a factor; with the other one the end on the axis, which
-    /// is the first point of a body to touch, would have no weight.
+    /// Returns the quadrature points of a segment: their barycentric coordinates in the facet, whose points `place`
+    /// returns, and their weights relative to the measure of the segment. They contain the weight of the coordinates.
+    /// Where the segment begins on the axis, the rule has the radius as a factor; with the other one the end on the
+    /// axis, which is the first point of a body to touch, would have no weight.
     fn points_of(
         &self,
         segment: &Segment<D>,
-        corners: &[Point<D>; MAX_FACET_VERTICES],
+        place: impl Fn(&[f64; D]) -> Point<D>,
         coordinates: Coordinates,
     ) -> Vec<([f64; D], f64)> {
-        let weight_at = |shape: [f64; D]| coordinates.weight(&point_at(corners, &shape));
+        let weight_at = |shape: [f64; D]| coordinates.weight(&place(&shape));
         let at_ends = segment.corners.map(weight_at);
         let on_axis = at_ends.iter().position(|weight| *weight == 0.0);
         let mean = at_ends.iter().sum::<f64>() / D as f64;
@@ -68,11 +68,6 @@ impl<const D: usize> ContactForm<D> {
         });
         points.collect()
     }
-}
-
-/// Returns the point of a facet with the given shape functions of its corners or nodes.
-fn point_at<const D: usize>(nodes: &[Point<D>], shape: &[f64]) -> Point<D> {
-    nodes.iter().zip(shape).map(|(node, share)| node * *share).sum()
 }
 
 /// Slave and obstacle in one step.
@@ -150,7 +145,7 @@ struct SlavePoint<const D: usize> {
     segment: usize,
     /// Shape functions of the nodes of the facet ([`BoundaryMesh::nodes`]).
     shape: [f64; MAX_FACET_NODES],
-    /// Quadrature weight with the measure of the facet at the start of the step.
+    /// Quadrature weight with the measure of the element at the start of the step.
     weight: f64,
     /// Whether the point is past the end of the obstacle at the start of the step.
     is_past_end: bool,
@@ -159,8 +154,8 @@ struct SlavePoint<const D: usize> {
 /// Multipliers of all points of a contact after a solve.
 #[derive(Clone, Debug)]
 pub struct Multipliers {
-    /// One list per item, with one multiplier per point.
-    values: Vec<Vec<Local>>,
+    /// Components of the multipliers, one after another.
+    pub components: Vec<f64>,
     /// Largest change of a traction since the previous solve, force per area.
     pub change: f64,
     /// Largest traction, force per area.
@@ -198,10 +193,12 @@ impl<const D: usize> ContactItems<D> {
         }
     }
 
-    /// Sets the multipliers of the next solve.
-    pub fn set_multipliers(&mut self, multipliers: Multipliers) {
-        for (item, values) in self.items.iter_mut().zip(multipliers.values) {
-            item.multipliers = values;
+    /// Sets the multipliers of the next solve to the first components of a list ([`Multipliers::components`]), and
+    /// removes these from it.
+    pub fn set_multipliers(&mut self, components: &mut &[f64]) {
+        for item in &mut self.items {
+            let (own, rest) = components.as_chunks().0.split_at(item.points.len());
+            (item.multipliers, *components) = (own.to_vec(), rest.as_flattened());
         }
     }
 
@@ -212,8 +209,6 @@ impl<const D: usize> ContactItems<D> {
         let placed = Placed::new(slave.boundary, &slave.start);
         let positions = master.map_or(&[][..], |master| &master.start);
         let mut items = Vec::new();
-        let master_bulge = master.map(|master| Placed::new(master.boundary, positions).bulge(master.boundary.facets()));
-        let reach = reach + placed.bulge(facets.iter().copied()) + master_bulge.unwrap_or(0.0);
         let candidates = obstacle.candidates(placed, facets, positions, reach);
         let is_searched = candidates.is_some();
         let is_gradient = pair.conserves && pair.form.law.energy_density(&ContactPoint::default()).is_some();
@@ -246,13 +241,13 @@ impl<const D: usize> ContactItems<D> {
             let mut of_stress = Vec::new();
             pair.stress.iter().for_each(|stress| stress.dofs(facet, &mut of_stress));
             of_stress.into_iter().for_each(|dof| _ = row_of(dof, &mut dofs));
-            let (corners, nodes) = (placed.facet_points(facet), placed.nodes(facet));
-            let (coordinates, measure) = (slave.boundary.coordinates(), placed.facet_measure(facet));
+            let (nodes, coordinates) = (placed.nodes(facet), slave.boundary.coordinates());
+            let place = |at: &[f64; D]| slave.boundary.shape(facet, at).at(&nodes);
             let mut points = Vec::new();
             for (number, segment) in segments.iter().enumerate() {
-                points.extend(pair.form.points_of(segment, &corners, coordinates).into_iter().map(|(at, weight)| {
+                points.extend(pair.form.points_of(segment, place, coordinates).into_iter().map(|(at, weight)| {
                     let shape = slave.boundary.shape(facet, &at);
-                    let start = shape.at(&nodes);
+                    let (start, measure) = (shape.at(&nodes), placed.measure_at(facet, &shape));
                     let is_past_end = obstacle.is_past_end(&start, Positions::Fixed(positions), &candidates);
                     let shape = std::array::from_fn(|k| shape.values[k]);
                     SlavePoint { segment: number, shape, weight: weight * (segment.share * measure), is_past_end }
@@ -263,7 +258,7 @@ impl<const D: usize> ContactItems<D> {
                 continue;
             }
             let begin_gap = |point: &SlavePoint<D>| {
-                let start = point_at(&nodes, &point.shape);
+                let start = nodes.iter().zip(&point.shape).map(|(node, share)| node * *share).sum();
                 let found = obstacle.project(&start, Positions::Fixed(positions), &candidates);
                 found.map_or(f64::INFINITY, |projection| projection.gap(&start))
             };
@@ -379,7 +374,7 @@ impl<const D: usize> ContactSites<'_, D> {
     pub fn multipliers(&self, x: &[f64]) -> Option<Multipliers> {
         let (form, items) = (self.pair.form, &self.items.items);
         (form.law.stress() == StressSource::Multiplier).then_some(())?;
-        let mut multipliers = Multipliers { values: Vec::with_capacity(items.len()), change: 0.0, largest: 0.0 };
+        let mut multipliers = Multipliers { components: Vec::new(), change: 0.0, largest: 0.0 };
         for (number, item) in items.iter().enumerate() {
             let mut values = vec![Local::default(); item.points.len()];
             self.visit(number, x, |site| values[site.number] = site.traction.value);
@@ -389,7 +384,7 @@ impl<const D: usize> ContactSites<'_, D> {
                 multipliers.change = multipliers.change.max(norm(&|i| value[i] - before[i]));
                 multipliers.largest = multipliers.largest.max(norm(&|i| value[i]));
             }
-            multipliers.values.push(values);
+            multipliers.components.extend(values.as_flattened());
         }
         Some(multipliers)
     }
@@ -460,12 +455,11 @@ mod tests {
     fn points_of_segments_on_the_axis_have_weights_and_integrate() {
         let form = ContactForm::<2>::new(PenaltyLaw::new(1.0, 0.0).expect("a law"), 1.0).expect("a form");
         for ends in [[0.0, 2.0], [2.0, 0.0], [2.0, 3.0]] {
-            let corners = [ends[0], ends[1], 0.0].map(|r| Point::<2>::new(r, 1.0));
-            let points = form.points_of(&Segment::whole(), &corners, Coordinates::Axisymmetric);
+            let place = |at: &[f64; 2]| Point::<2>::new(ends[0] * at[0] + ends[1] * at[1], 1.0);
+            let points = form.points_of(&Segment::whole(), place, Coordinates::Axisymmetric);
             assert!(points.iter().all(|(_, weight)| *weight > 0.0), "{points:?}");
             for degree in 0..=4 {
-                let integral: f64 =
-                    points.iter().map(|(s, weight)| weight * point_at(&corners, s)[0].powi(degree)).sum();
+                let integral: f64 = points.iter().map(|(s, weight)| weight * place(s)[0].powi(degree)).sum();
                 let primitive = |r: f64| std::f64::consts::TAU * r.powi(degree + 2) / f64::from(degree + 2);
                 let exact = ((primitive(ends[1]) - primitive(ends[0])) / (ends[1] - ends[0])).abs();
                 assert!((integral - exact).abs() < 1e-13 * exact, "{ends:?}, {degree}: {integral} {exact}");

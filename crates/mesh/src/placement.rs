@@ -3,8 +3,8 @@
 use crate::simplex::{factorial, points_of};
 use crate::tensor::area_vector;
 use crate::{
-    BoundaryMesh, FacetId, MAX_CELL_VERTICES, MAX_FACET_NODES, MAX_FACET_VERTICES, Order, Point, SimplexRule, Tensor,
-    Vector, mean, simplex_measure,
+    BoundaryMesh, FacetId, MAX_CELL_VERTICES, MAX_FACET_NODES, MAX_FACET_VERTICES, Order, Point, ShapeFunctions,
+    SimplexRule, Tensor, Vector, mean, simplex_measure,
 };
 
 /// A boundary with borrowed positions of its vertices: the current configuration is a view and not a second mesh.
@@ -67,6 +67,19 @@ impl<'m, const D: usize> Placed<'m, D> {
     /// Returns the measure (length, area) of a facet.
     pub fn facet_measure(&self, facet: FacetId) -> f64 {
         simplex_measure(&self.facet_points(facet)[..D])
+    }
+
+    /// Returns the measure that the facet would have with the tangents of its element at a point: on a part of a curved
+    /// element its mean is the measure of the curved part; for order 1 it is that of the facet.
+    pub fn measure_at(&self, facet: FacetId, shape: &ShapeFunctions) -> f64 {
+        let order = self.boundary.order();
+        if order == Order::Linear {
+            return self.facet_measure(facet);
+        }
+        let (n_nodes, nodes) = (order.n_nodes(D - 1), self.nodes(facet));
+        let mut tangents = Tensor::<D>::zeros();
+        (1..D).for_each(|k| tangents.set_column(k, &shape.along(k - 1, &nodes[..n_nodes])));
+        area_vector(&tangents).norm() / (factorial(D - 1) * order.parts(D - 1).len() as f64)
     }
 
     /// Returns the middle of a facet: the mean of its vertices.

@@ -1,16 +1,14 @@
 //! The solve of a step, repeated until the multipliers of contacts and the points of collisions no longer change.
 
-use algebra::{NewtonError, NewtonReport, NewtonSettings, Workspace, newton};
-use contact::Multipliers;
+use algebra::{Anderson, NewtonError, NewtonReport, NewtonSettings, Workspace, newton};
+use contact::{Multipliers, StressSource};
 
 use crate::{Error, Step};
 
-/// Largest number of solves of a step in which multipliers change. A contact whose parameter is a tenth of the
-/// stiffness of its bodies needs 145 for an error of `1e-6`.
+/// Largest number of solves of a step in which multipliers change.
 const MOST_SOLVES: usize = 200;
-/// Solves over which the decrease of the changes is measured if they do not settle.
-const MEASURED: usize = 20;
-
+/// Number of differences of multipliers with which their iteration is accelerated.
+const DEPTH: usize = 5;
 /// Tolerance to which a step with a collision is refined, relative to that of other steps.
 const IN_COLLISION: f64 = 1e-4;
 /// Smallest tolerance that a collision sets, well above round-off.
@@ -28,30 +26,29 @@ impl<const D: usize> Step<'_, D> {
     /// Newton's method fails, or the multipliers still change after the largest number of solves.
     pub(crate) fn solve(&mut self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, Error> {
         let mut report = self.first_solve(x, work)?;
-        let mut measured_from: Option<(usize, f64, usize)> = None;
+        let (first, mut anderson) = (x.to_vec(), Anderson::new(DEPTH));
         for solves in 1.. {
+            let unsettled = self.augment(x, &mut anderson);
             // Each point of a collision is added at most a given number of times, so that collisions settle.
-            match (self.augment(x), self.settle_collisions(x)) {
-                (None, false) => break,
-                (Some(Unsettled { contact, change, accepted }), false) if solves >= MOST_SOLVES => {
-                    let ratio = measured_from
-                        .filter(|from| from.0 == contact)
-                        .map_or(f64::NAN, |(_, before, at)| (change / before).powf(1.0 / (solves - at) as f64));
-                    return Err(Error::Multipliers {
-                        contact,
-                        solves,
-                        change,
-                        accepted,
-                        ratio,
-                        newton: Box::new(report),
-                    });
-                }
-                (Some(Unsettled { contact, change, .. }), _) if solves + MEASURED == MOST_SOLVES => {
-                    measured_from = Some((contact, change, solves));
+            let has_other_points = self.settle_collisions(x);
+            match unsettled {
+                None if !has_other_points => break,
+                Some(Unsettled { contact, change, accepted }) if !has_other_points && solves >= MOST_SOLVES => {
+                    let newton = Box::new(report);
+                    return Err(Error::Multipliers { contact, solves, change, accepted, newton });
                 }
                 _ => {}
             }
-            let solved = newton(&self.problem().equations, x, work, &self.setup.newton);
+            let mut solved = newton(&self.problem().equations, x, work, &self.setup.newton);
+            if let Err(error) = &mut solved
+                && let Some(multipliers) = anderson.restart_plain()
+            {
+                // Accelerated multipliers may be far from those of any state.
+                report.add_work(error.report_mut());
+                x.copy_from_slice(&first);
+                self.set_multipliers(multipliers);
+                solved = newton(&self.problem().equations, x, work, &self.setup.newton);
+            }
             let mut last = solved.map_err(|mut error| {
                 error.report_mut().add_work(&report);
                 error
@@ -120,20 +117,28 @@ impl<const D: usize> Step<'_, D> {
         self.collisions.iter_mut().flatten().fold(false, |changed, collision| collision.settle(x) | changed)
     }
 
-    /// Sets the multipliers of the next solve. Returns the first contact whose multipliers changed too much, if any.
-    fn augment(&mut self, x: &[f64]) -> Option<Unsettled> {
+    /// Sets the multipliers of the next solve, for all contacts in order.
+    fn set_multipliers(&mut self, mut components: &[f64]) {
+        let contacts = self.setup.contacts.iter().zip(&mut self.contacts);
+        let with_multipliers = contacts.filter(|(contact, _)| contact.form().law.stress() == StressSource::Multiplier);
+        with_multipliers.for_each(|(_, step)| step.set_multipliers(&mut components));
+    }
+
+    /// Sets the multipliers of the next solve. Returns the contact whose multipliers changed most, compared with what
+    /// its law accepts; `None` if all changes are accepted.
+    fn augment(&mut self, x: &[f64], anderson: &mut Anderson) -> Option<Unsettled> {
         let contacts = || self.setup.contacts.iter().zip(&self.contacts);
         let found: Vec<Option<Multipliers>> =
             contacts().map(|(contact, step)| step.sites(contact, self.refs()).multipliers(x)).collect();
-        let mut changes = found.iter().zip(&self.setup.contacts).enumerate();
-        let unsettled = changes.find_map(|(index, (found, contact))| {
+        let changes = found.iter().zip(&self.setup.contacts).enumerate();
+        let changes = changes.filter_map(|(index, (found, contact))| {
             let Multipliers { change, largest, .. } = *found.as_ref()?;
             let accepted = contact.form().law.accepted_change(largest);
             (change > accepted).then_some(Unsettled { contact: index, change, accepted })
-        })?;
-        for (step, multipliers) in self.contacts.iter_mut().zip(found) {
-            multipliers.into_iter().for_each(|multipliers| step.set_multipliers(multipliers));
-        }
+        });
+        let unsettled = changes.reduce(|a, b| if b.ratio() > a.ratio() { b } else { a })?;
+        let multipliers: Vec<f64> = found.into_iter().flatten().flat_map(|found| found.components).collect();
+        self.set_multipliers(anderson.next(multipliers));
         Some(unsettled)
     }
 }
@@ -143,4 +148,11 @@ struct Unsettled {
     contact: usize,
     change: f64,
     accepted: f64,
+}
+
+impl Unsettled {
+    /// Returns the change relative to what is accepted.
+    fn ratio(&self) -> f64 {
+        self.change / self.accepted
+    }
 }

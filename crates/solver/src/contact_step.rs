@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use algebra::BlockLayout;
 use body::{BodyStep, StepTime, SurfaceMotion, SurfaceStress};
-use contact::{ContactItems, ContactPair, ContactSites, Multipliers, StressSource};
+use contact::{ContactItems, ContactPair, ContactSites, StressSource};
 use interface_dg::{ClosedPoints, FluidStress, StressJump};
 use mesh::{BodyId, Point, Vector, VertexId};
 
@@ -108,9 +108,9 @@ impl<const D: usize> ContactStep<D> {
         ContactSites { items: &self.items, pair: pair(contact, refs), layout: refs.layout }
     }
 
-    /// Sets the multipliers of the next solve.
-    pub(crate) fn set_multipliers(&mut self, multipliers: Multipliers) {
-        self.items.set_multipliers(multipliers);
+    /// Sets the multipliers of the next solve to the first components of a list, and removes these from it.
+    pub(crate) fn set_multipliers(&mut self, components: &mut &[f64]) {
+        self.items.set_multipliers(components);
     }
 
     /// Returns the sum of the largest motions of slave and master in the step, and the motion for which obstacles were

@@ -132,11 +132,11 @@ pub enum Error {
         /// Report of the nonlinear solve, which is discarded.
         newton: Box<NewtonReport>,
     },
-    /// The multipliers of a contact still change after many solves of the step: the parameter of the contact is small
-    /// for the stiffness of its bodies (take a larger one), or the body does not fit between its obstacles.
+    /// The multipliers of a contact still change after many solves of the step: the body does not fit between its
+    /// obstacles, or surfaces change between contact, sticking and slipping from solve to solve.
     #[error(
-        "the multipliers of contact {contact} still change by {change:.3e} after {solves} solves, and {accepted:.3e}, a force per area, is accepted; {}",
-        remedy(*ratio)
+        "the multipliers of contact {contact} still change by {change:.3e} after {solves} solves, and {accepted:.3e}, a force per area, is accepted; \
+         check that the body fits between its obstacles, and take a larger parameter of its law; with friction also try a smaller one, or a larger tolerance"
     )]
     Multipliers {
         /// Index of the contact in the setup.
@@ -146,8 +146,6 @@ pub enum Error {
         change: f64,
         /// Largest change that is accepted.
         accepted: f64,
-        /// Change over that of the solve before, a mean over the last solves. NaN if it is not known.
-        ratio: f64,
         /// Report of the solves, which are discarded.
         newton: Box<NewtonReport>,
     },
@@ -171,30 +169,19 @@ pub enum Error {
     Observer(#[source] ObserverError),
 }
 
-/// Ratio of successive changes below which they count as decreasing.
-const SHRINKS: f64 = 1.0 - 1e-6;
-
-/// Returns the remedy if multipliers have not settled. `ratio` is the change in a solve over that in the solve before:
-/// `K/(K + k)` for the stiffness `k` of the contact and `K` of the bodies in a step.
-fn remedy(ratio: f64) -> String {
-    if ratio < SHRINKS {
-        let factor = 100.0 * ratio / (1.0 - ratio);
-        format!(
-            "a solve leaves {ratio:.4} of the change of the one before, and would leave a hundredth with a parameter of its law about {factor:.0e} times \
-             as large (with friction less, as far as Newton's method converges); or take a larger tolerance"
-        )
-    } else {
-        "the changes do not shrink: check that the body fits between its obstacles, and take a larger parameter of its law; with friction also try a smaller one, or a larger tolerance"
-            .to_owned()
-    }
-}
-
 impl Error {
-    /// Returns whether a smaller step may succeed: after a failure of Newton's method, a missed or passed contact or an
-    /// inverted cell, except if the matrix is too large for the memory or structurally singular.
+    /// Returns whether a smaller step may succeed: after a failure of Newton's method, multipliers that do not settle,
+    /// a missed or passed contact or an inverted cell, except if the matrix is too large for the memory or structurally
+    /// singular.
     pub fn smaller_step_may_succeed(&self) -> bool {
         let (Self::Newton(newton) | Self::Extension(newton)) = self else {
-            return matches!(self, Self::MissedContact { .. } | Self::PassedThrough { .. } | Self::Inverted { .. });
+            return matches!(
+                self,
+                Self::Multipliers { .. }
+                    | Self::MissedContact { .. }
+                    | Self::PassedThrough { .. }
+                    | Self::Inverted { .. }
+            );
         };
         let NewtonError::Linear { source, .. } = newton else { return true };
         !matches!(

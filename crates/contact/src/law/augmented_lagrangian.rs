@@ -10,9 +10,9 @@ use crate::Error;
 ///
 /// The step is solved again with the tractions of its last solve as multipliers until these no longer change. Then
 /// `Δ = ε` where there is contact, up to a tolerance, and `λ` is the force that this needs, whatever `γ_C0` is. The
-/// first solve has `m = 0` and is that of the penalty law. Each solve reduces the error of the gap by the factor
+/// first solve has `m = 0` and is that of the penalty law. Such a solve reduces the error of the gap by the factor
 /// `K/(K + γ_C0 A/s)`, where `A` is the area in contact and `K` the force that moves the bodies by a unit length in a
-/// step, for a free body of mass `M` about `M/Δt²`.
+/// step, for a free body of mass `M` about `M/Δt²`. The multipliers of later solves may be accelerated.
 ///
 /// Coulomb friction with the coefficient `μ_f` adds `τ = -P((γ_C0/s) g - m_t)` with the slip `g` over the step and the
 /// projection `P` onto the disk of radius `-μ_f m_n`. Where surfaces stick, `g = 0` after the last solve up to the same

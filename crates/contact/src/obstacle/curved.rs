@@ -1,6 +1,7 @@
 //! Closest points of curved elements.
 
-use mesh::{Aabb, Barycentric, MAX_FACET_NODES, Order, Point, Tensor, Vector, area_vector};
+use mesh::search::Foot;
+use mesh::{Aabb, Barycentric, MAX_CELL_VERTICES, MAX_FACET_NODES, Order, Point, Tensor, Vector, area_vector};
 
 /// Largest number of Newton iterations.
 const MOST_ITERATIONS: usize = 20;
@@ -51,15 +52,29 @@ pub(super) fn bounds<const D: usize>(nodes: &[Point<D>; MAX_FACET_NODES]) -> Aab
     Aabb::of_points((0..n_nodes).map(control).collect::<Vec<_>>().iter())
 }
 
+/// Returns the coordinates of the closest point of the linear parts of the facet of an element.
+fn on_parts<const D: usize>(x: &Point<D>, nodes: &[Point<D>; MAX_FACET_NODES]) -> Barycentric {
+    let order = Order::Quadratic;
+    let on_part = |(part, of): (usize, &[usize; MAX_CELL_VERTICES])| {
+        let foot = Foot::<D>::on_facet(x, &of.map(|k| nodes[k])[..D]);
+        let mut at = Barycentric::default();
+        at[..D].copy_from_slice(&foot.barycentric[..D]);
+        (foot.squared_distance, order.in_part(D - 1, part, &at))
+    };
+    let feet = order.parts(D - 1).iter().enumerate().map(on_part);
+    feet.fold((f64::INFINITY, Barycentric::default()), |best, foot| if foot.0 < best.0 { foot } else { best }).1
+}
+
 impl<const D: usize> CurvedFoot<D> {
     /// Computes the closest point of the facet of an element with the given nodes: inside of the facet if there is one,
     /// otherwise the closest of those of the edges and vertices.
     pub(super) fn new(x: &Point<D>, nodes: &[Point<D>; MAX_FACET_NODES]) -> Self {
-        let whole = (1_usize << D) - 1;
-        if let Some(foot) = Self::on_face(x, nodes, whole) {
+        let (whole, start) = ((1_usize << D) - 1, on_parts(x, nodes));
+        if let Some(foot) = Self::on_face(x, nodes, whole, start) {
             return foot;
         }
-        let edges = (1..whole).filter(|face| face.count_ones() > 1).filter_map(|face| Self::on_face(x, nodes, face));
+        let edges = (1..whole).filter(|face| face.count_ones() > 1);
+        let edges = edges.filter_map(|face| Self::on_face(x, nodes, face, start));
         let vertices = (1..D).map(|vertex| Self::on_vertex(x, nodes, vertex));
         let closer = |best: Self, foot: Self| if foot.is_preferred_to(&best) { foot } else { best };
         edges.chain(vertices).fold(Self::on_vertex(x, nodes, 0), closer)
@@ -104,16 +119,18 @@ impl<const D: usize> CurvedFoot<D> {
         }
     }
 
-    /// Computes the closest point of the surface or line through a facet or edge, by Newton's method from its middle;
-    /// `None` if it lies outside, or the iteration does not converge.
-    fn on_face(x: &Point<D>, nodes: &[Point<D>; MAX_FACET_NODES], face: usize) -> Option<Self> {
+    /// Computes the closest point of the surface or line through a facet or edge, by Newton's method from the point
+    /// with the given coordinates, or the point of the edge closest to it; `None` if it lies outside, or the iteration
+    /// does not converge.
+    fn on_face(x: &Point<D>, nodes: &[Point<D>; MAX_FACET_NODES], face: usize, start: Barycentric) -> Option<Self> {
         let spans = |k: &usize| face & (1 << k) != 0;
         let base = (0..D).find(spans)?;
         let others = || (base + 1..D).filter(spans);
         let order = Order::Quadratic;
         let n_nodes = order.n_nodes(D - 1);
+        let missing = (0..D).filter(|k| !spans(k)).map(|k| start[k]).sum::<f64>() / f64::from(face.count_ones());
         let mut at = Barycentric::default();
-        (0..D).filter(spans).for_each(|k| at[k] = 1.0 / f64::from(face.count_ones()));
+        (0..D).filter(spans).for_each(|k| at[k] = start[k] + missing);
         // Derivatives of shape functions while coordinate k grows and that of the base falls.
         let along = |derivatives: &[f64; 3], k: usize| {
             let by = |k: usize| if k == 0 { 0.0 } else { derivatives[k - 1] };
@@ -128,6 +145,21 @@ impl<const D: usize> CurvedFoot<D> {
             }
             (shape, tangents)
         };
+        let moved = |at: &Barycentric, step: &Vector<D>| {
+            let mut moved = *at;
+            for k in others() {
+                moved[k] += step[k];
+                moved[base] -= step[k];
+            }
+            moved
+        };
+        let squared = |at: &Barycentric| (x - order.shape(D - 1, at).at(&nodes[..n_nodes])).norm_squared();
+        // Second derivatives are constant: differences of tangents.
+        let at_start = tangents(&at).1;
+        let unit = |l: usize| Vector::<D>::from_fn(|k, _| if k == l { 1.0 } else { 0.0 });
+        let mut bending = [Tensor::<D>::zeros(); 3];
+        others().for_each(|l| bending[l] = tangents(&moved(&at, &unit(l))).1 - at_start);
+        let by_bending = |v: &Vector<D>| Tensor::<D>::from_fn(|i, j| bending[j].column(i).dot(v));
         // Coordinates that do not span the feature are columns of the identity.
         let fixed = Tensor::<D>::from_fn(|i, j| if i == j && others().all(|k| k != i) { 1.0 } else { 0.0 });
         let mut is_converged = false;
@@ -135,15 +167,6 @@ impl<const D: usize> CurvedFoot<D> {
             let (shape, t) = tangents(&at);
             let point = shape.at(&nodes[..n_nodes]);
             let r = x - point;
-            // Second derivatives are constant: differences of tangents.
-            let mut bending = [Tensor::<D>::zeros(); 3];
-            for l in others() {
-                let mut ahead = at;
-                ahead[l] += 1.0;
-                ahead[base] -= 1.0;
-                bending[l] = tangents(&ahead).1 - t;
-            }
-            let by_bending = |v: &Vector<D>| Tensor::<D>::from_fn(|i, j| bending[j].column(i).dot(v));
             let g = t.transpose() * t + fixed;
             let a = g - by_bending(&r);
             let inverse_g = g.try_inverse()?;
@@ -179,13 +202,63 @@ impl<const D: usize> CurvedFoot<D> {
                     face,
                 });
             }
-            let step = inverse * (t.transpose() * r);
-            for k in others() {
-                at[k] += step[k];
-                at[base] -= step[k];
-            }
+            let mut step = inverse * (t.transpose() * r);
             is_converged = step.norm() < LAST;
+            let before = r.norm_squared();
+            while !is_converged && step.norm() > LAST && squared(&moved(&at, &step)) > before {
+                step *= 0.5;
+            }
+            at = moved(&at, &step);
         }
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::SplitMix64;
+
+    use super::*;
+
+    /// Compares closest points of elements with nodes off the middles of their edges with the closest ones of many.
+    fn closest_of_many<const D: usize>(n: usize) {
+        let mut random = SplitMix64::seed_from_u64(4);
+        let mut between = |size: f64| Vector::<D>::from_fn(|_, _| random.random_range(-size..size));
+        let samples = || (0..=n).flat_map(|i| (0..=if D == 2 { 0 } else { n - i }).map(move |j| [i, j]));
+        for _ in 0..300 {
+            let mut nodes = [Point::<D>::zeros(); MAX_FACET_NODES];
+            for (k, node) in nodes.iter_mut().enumerate().take(Order::Quadratic.n_nodes(D - 1)) {
+                let at = Order::Quadratic.node(D - 1, k);
+                *node = Point::from_fn(|a, _| if a + 1 == D { 0.0 } else { at[a + 1] }) + between(0.1);
+            }
+            let x = Point::from_fn(|a, _| if a + 1 == D { 0.0 } else { 0.4 }) + between(0.5);
+            let foot = CurvedFoot::new(&x, &nodes);
+            let at = |[i, j]: [usize; 2]| {
+                let [b, c] = [i, j].map(|k| k as f64 / n as f64);
+                Order::Quadratic.shape(D - 1, &[1.0 - b - c, b, c, 0.0]).at(&nodes[..Order::Quadratic.n_nodes(D - 1)])
+            };
+            let closest = samples().map(|k| (x - at(k)).norm()).fold(f64::INFINITY, f64::min);
+            let found = foot.squared_distance.sqrt();
+            assert!(found < closest + 1e-9 && found > closest - 3.0 / n as f64, "{found} {closest}: {x} {nodes:?}");
+            assert!(bounds(&nodes).squared_distance(&foot.point) < 1e-20);
+            assert!(samples().all(|k| bounds(&nodes).squared_distance(&at(k)) < 1e-20));
+        }
+    }
+
+    #[test]
+    fn no_point_of_an_element_is_closer() {
+        closest_of_many::<2>(400);
+        closest_of_many::<3>(40);
+    }
+
+    /// The middle of a trough is the farthest of its points, although it is over the point.
+    #[test]
+    fn the_bottom_of_a_trough_is_not_the_closest_point_to_one_above_its_focus() {
+        let mut nodes = [Point::<2>::zeros(); MAX_FACET_NODES];
+        (nodes[0], nodes[1]) = (Point::<2>::new(-1.0, 1.0), Point::<2>::new(1.0, 1.0));
+        let foot = CurvedFoot::new(&Point::<2>::new(0.01, 1.0), &nodes);
+        assert!((foot.squared_distance.sqrt() - 0.75_f64.sqrt()).abs() < 1e-2, "{foot:?}");
+        assert!(foot.point[0] > 0.0 && foot.normal.is_some());
     }
 }

@@ -66,7 +66,8 @@ impl<const D: usize> DeformableObstacle<D> {
         points: &[Point<D>],
         positions: &[Point<D>],
     ) -> Option<f64> {
-        let bounds = Aabb::of_points(positions);
+        let bulge = self.bulge(positions);
+        let bounds = Aabb::of_points(positions).expanded(bulge);
         let mut points: Vec<_> = points.iter().map(|x| (bounds.squared_distance(x), x)).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut smallest = None;
@@ -74,18 +75,24 @@ impl<const D: usize> DeformableObstacle<D> {
             if smallest.is_some_and(|gap: f64| gap.max(0.0).powi(2) < squared_distance) {
                 break;
             }
-            let gap = self.gap_with(index, x, positions);
+            let gap = self.gap_with((index, bulge), x, positions);
             smallest = [smallest, gap].into_iter().flatten().reduce(f64::min);
         }
         smallest
     }
 
-    /// Computes the gap of a point with the search structure at `positions`. Returns `None` if the gap is negative and
-    /// has no meaning: the point is past the end of the facets that can be touched, or its closest point is on their
-    /// rim.
-    pub(super) fn gap_with(&self, index: &SurfaceIndex<D>, x: &Point<D>, positions: &[Point<D>]) -> Option<f64> {
+    /// Computes the gap of a point with the search structure and the bulge at `positions`. Returns `None` if the gap is
+    /// negative and has no meaning: the point is past the end of the facets that can be touched, or its closest point
+    /// is on their rim.
+    pub(super) fn gap_with(
+        &self,
+        (index, bulge): (&SurfaceIndex<D>, f64),
+        x: &Point<D>,
+        positions: &[Point<D>],
+    ) -> Option<f64> {
         let (mut near, at) = (Vec::new(), Positions::Fixed(positions));
-        self.overlapping(index, &Aabb::of_points([x]).expanded(index.closest(x)?.reach(x)), &mut near);
+        let reach = index.closest(x)?.reach(x) + 2.0 * bulge;
+        self.overlapping(index, &Aabb::of_points([x]).expanded(reach), &mut near);
         let closest = self.closest(x, at, &near)?;
         let gap = self.project(x, at, &near)?.gap(x);
         let has_sign = || !self.is_on_rim(&closest) && !self.is_past_end(x, at, &near);
@@ -101,8 +108,10 @@ impl<const D: usize> DeformableObstacle<D> {
         positions: &[Point<D>],
         reach: f64,
     ) -> Vec<Vec<FacetId>> {
+        let own_bulge = self.bulge(positions);
         let of_facet = |&facet: &FacetId| {
             let mut near = Vec::new();
+            let reach = reach + own_bulge + slave.bulge([facet].into_iter());
             let points = &slave.facet_points(facet)[..D];
             self.overlapping(index, &Aabb::of_points(points).expanded(reach), &mut near);
             // Boxes may be near although facets are not: the far side of a thin part would be a candidate.
@@ -113,6 +122,11 @@ impl<const D: usize> DeformableObstacle<D> {
             near
         };
         facets.iter().map(of_facet).collect()
+    }
+
+    /// Returns an upper bound of the distance between curved elements and the facets that can be touched.
+    pub(super) fn bulge(&self, positions: &[Point<D>]) -> f64 {
+        Placed::new(&self.boundary, positions).bulge(self.facets.iter().copied())
     }
 
     /// Replaces `near` by the facets whose boxes overlap a region.
@@ -315,7 +329,8 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
         reach: f64,
     ) -> Option<Vec<Vec<FacetId>>> {
         let own = Placed::new(&self.boundary, positions);
-        if !bounds(slave, facets).expanded(reach).overlaps(&bounds(own, &self.facets)) {
+        let bulges = self.bulge(positions) + slave.bulge(facets.iter().copied());
+        if !bounds(slave, facets).expanded(reach + bulges).overlaps(&bounds(own, &self.facets)) {
             return Some(vec![Vec::new(); facets.len()]);
         }
         Some(self.candidates_with(&self.index(positions), slave, facets, positions, reach))

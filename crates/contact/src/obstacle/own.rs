@@ -8,7 +8,8 @@ use crate::{Error, Positions};
 
 /// Part of the boundary of a body that acts as an obstacle to the same part.
 ///
-/// A facet may touch another one if
+/// A facet may touch another one, with elements of order 2 a part of one, if for this part and the others of its
+/// element
 /// - they are farther apart than the exempt distance in the undeformed body: neighbours along the surface, and
 ///   the two sides of a thin part, are not in contact;
 /// - their normals oppose each other at the start of the step;
@@ -111,8 +112,13 @@ impl<const D: usize> Obstacle<D> for OwnSurface<D> {
         let mut found = self.surface.candidates(slave, facets, positions, reach)?;
         for (&facet, candidates) in facets.iter().zip(&mut found) {
             // The closest point may lie on any part of a curved element.
-            let parts = |&other: &FacetId| self.surface.boundary.parts_of(self.surface.boundary.element_of(other).0);
-            candidates.retain(|other| parts(other).all(|part| self.may_touch(facet, part, positions)));
+            let boundary = &self.surface.boundary;
+            let may_touch =
+                |&element: &usize| boundary.parts_of(element).all(|part| self.may_touch(facet, part, positions));
+            let mut elements: Vec<usize> = candidates.iter().map(|other| boundary.element_of(*other).0).collect();
+            elements.dedup();
+            *candidates =
+                elements.into_iter().filter(may_touch).flat_map(|element| boundary.parts_of(element)).collect();
         }
         Some(found)
     }

@@ -16,6 +16,8 @@ pub struct RigidSurface<const D: usize> {
     positions: Vec<Point<D>>,
     /// Search structure of the facets that can be touched.
     index: SurfaceIndex<D>,
+    /// Largest distance between curved elements and their facets.
+    bulge: f64,
 }
 
 impl<const D: usize> RigidSurface<D> {
@@ -25,8 +27,8 @@ impl<const D: usize> RigidSurface<D> {
     /// [`Error::UnknownFacet`]: the surface does not have one of the facets.
     pub fn new(surface: BoundaryMesh<D>, facets: Vec<FacetId>, positions: Vec<Point<D>>) -> Result<Self, Error> {
         let surface = DeformableObstacle::new(surface, facets)?;
-        let index = surface.index(&positions);
-        Ok(Self { surface, positions, index })
+        let (index, bulge) = (surface.index(&positions), surface.bulge(&positions));
+        Ok(Self { surface, positions, index, bulge })
     }
 }
 
@@ -43,7 +45,10 @@ impl<const D: usize> Obstacle<D> for RigidSurface<D> {
     fn smallest_gap(&self, points: &[Point<D>], _positions: Positions<'_, D>) -> Option<f64> {
         // All points are tested: a point that is far behind a container or a wall has a large distance and a negative
         // gap.
-        points.iter().filter_map(|x| self.surface.gap_with(&self.index, x, &self.positions)).reduce(f64::min)
+        points
+            .iter()
+            .filter_map(|x| self.surface.gap_with((&self.index, self.bulge), x, &self.positions))
+            .reduce(f64::min)
     }
 
     fn candidates(

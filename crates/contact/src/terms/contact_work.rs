@@ -9,8 +9,8 @@ use crate::{Anchor, ContactNode, ContactSite};
 ///
 /// Source: paper, Eq. (7) for a rigid obstacle, Eq. (11) and the two-body form for a deformable one.
 /// Couples: velocities of slave and master, and the dofs of the stress.   Domain: the slave's boundary facets. The
-/// measure is that at the start of the step. Positions are the shifted positions of the time scheme (implicit Euler:
-/// those at the end).
+/// measure is that at the start of the step, for order 2 that of the element. Positions are the shifted positions of
+/// the time scheme (implicit Euler: those at the end).
 /// Units: force (2D: per unit depth).
 /// With the share `s_a` of a node in `r = x - Π(x)` (the shape function `N_a` at the slave, `-N_a` at the master),
 /// `G_a = ∂N_a/∂x` (zero at the slave), `C = ∂n/∂x` and the metric `W` ([`Anchor::Facet`]), all nodes alike:
@@ -31,9 +31,11 @@ impl<const D: usize> Term<ContactSite<D>> for ContactWork {
             return;
         }
         for (b, column) in rows() {
-            let by_b = force_by_position(site, b) * site.weight;
+            let along = along(site, b);
+            let by_b = force_by_position(site, b, &along) * site.weight;
             for (a, row) in rows() {
-                let block: Tensor<D> = force * share_by_position(site, a, b).transpose() + by_b * a.share;
+                let block: Tensor<D> =
+                    force * share_by_position(site, a, (b.share, &along)).transpose() + by_b * a.share;
                 out.add_block::<D, D>(row, column, block * -b.slope);
             }
         }
@@ -46,13 +48,21 @@ impl<const D: usize> Term<ContactSite<D>> for ContactWork {
     }
 }
 
-/// Returns `∂s_a/∂x_b`.
-fn share_by_position<const D: usize>(site: &ContactSite<D>, a: &ContactNode<D>, b: &ContactNode<D>) -> Vector<D> {
-    let along = match &site.projection.anchor {
+/// Returns `W G_b`.
+fn along<const D: usize>(site: &ContactSite<D>, b: &ContactNode<D>) -> Vector<D> {
+    match &site.projection.anchor {
         Anchor::Facet { metric, .. } => metric * b.gradient,
         Anchor::Fixed => b.gradient,
-    };
-    site.projection.normal * (site.at.gap * a.gradient.dot(&along)) - a.gradient * b.share
+    }
+}
+
+/// Returns `∂s_a/∂x_b`, given `s_b` and `W G_b`.
+fn share_by_position<const D: usize>(
+    site: &ContactSite<D>,
+    a: &ContactNode<D>,
+    (share, along): (f64, &Vector<D>),
+) -> Vector<D> {
+    site.projection.normal * (site.at.gap * a.gradient.dot(along)) - a.gradient * share
 }
 
 /// Returns the change of the traction with a change of the stress, given in the frame.
@@ -61,8 +71,8 @@ fn force_by_stress<const D: usize>(site: &ContactSite<D>, change: &[f64; 3]) -> 
     changes.map(|(derivative, change)| site.frame.vector(derivative) * *change).sum()
 }
 
-/// Returns `∂f/∂x_b`; column `c` is the change of the traction with component `c` of the position.
-fn force_by_position<const D: usize>(site: &ContactSite<D>, b: &ContactNode<D>) -> Tensor<D> {
+/// Returns `∂f/∂x_b`, given `W G_b`; column `c` is the change of the traction with component `c` of the position.
+fn force_by_position<const D: usize>(site: &ContactSite<D>, b: &ContactNode<D>, along: &Vector<D>) -> Tensor<D> {
     let (n, frame, law) = (site.projection.normal, &site.frame, &site.traction);
     let by_normal = site.projection.normal_gradient * b.share - b.gradient * n.transpose();
     let by_gap = frame.vector(&law.by_gap);
@@ -79,7 +89,7 @@ fn force_by_position<const D: usize>(site: &ContactSite<D>, b: &ContactNode<D>) 
         let slip: Vector<D> = site.nodes().iter().map(|a| a.displacement * a.share).sum();
         let mut by_b = Tensor::identity() * b.share;
         for a in site.nodes() {
-            by_b += a.displacement * share_by_position(site, a, b).transpose();
+            by_b += a.displacement * share_by_position(site, a, (b.share, along)).transpose();
         }
         for (k, derivative) in law.by_slip.iter().enumerate() {
             let change = slip.transpose() * axes[k + 1] + frame.axes[k + 1].transpose() * by_b;

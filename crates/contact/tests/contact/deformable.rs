@@ -12,6 +12,7 @@ use mesh::generate::{BallOptions, ball, structured_box};
 use mesh::{BoundaryMesh, FacetId, Placed, Point, Vector, VertexId};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::SplitMix64;
+use solid_svk::supports::tagged_facets;
 use solid_svk::{ElasticBody, Order, SolidMesh};
 
 use crate::setting::{Scene, block_of, n_active, numbers, report_of, residual, soft, vector, with_velocity, work};
@@ -302,6 +303,25 @@ fn the_far_side_of_a_thin_plate_is_no_candidate() {
     let [touching] = &candidates([[0.4, 0.6], [0.45, 0.6]])[..] else { panic!("one facet") };
     let gap = plate.project(&Point::<2>::new(0.4, 0.6), Positions::Fixed(&positions), touching).unwrap();
     assert!((gap.gap(&Point::<2>::new(0.4, 0.6)) - (0.2 / 2.0_f64.sqrt() - 0.1)).abs() < 1e-12);
+}
+
+/// The middle of the upper side of a plate of one element is above its ends, and its parts are straight.
+#[test]
+fn a_curved_element_is_a_candidate_where_it_is_beyond_its_parts() {
+    let mesh = structured_box::<2>([0.0, 0.0], [1.0, 1.0], [1, 1]).unwrap();
+    let raised = |_, x: Point<2>| x + Point::<2>::new(0.0, if x[1] > 0.9 { 0.4 } else { 0.0 });
+    let solid = SolidMesh::curved(mesh, raised).unwrap();
+    let top = tagged_facets(&solid, "top").unwrap();
+    let plate = DeformableObstacle::new(solid.boundary().clone(), top).unwrap();
+    let slave = BoundaryMesh::<2>::from_facets(vec![VertexId(0), VertexId(1)]);
+    // At a quarter of the length the part has the height 1.2, and the element 1.3.
+    let at = [Point::<2>::new(0.25, 1.305), Point::<2>::new(0.23, 1.4)];
+    let near = plate.candidates(Placed::new(&slave, &at), &[FacetId(0)], solid.nodes(), 0.01).unwrap();
+    assert!(!near[0].is_empty());
+    let gap = plate.project(&at[0], Positions::Fixed(solid.nodes()), &near[0]).unwrap().gap(&at[0]);
+    assert!(gap > 0.0 && gap < 0.005, "{gap}");
+    let smallest = plate.smallest_gap(&at, Positions::Fixed(solid.nodes())).unwrap();
+    assert!((smallest - gap).abs() < 1e-12, "{smallest} {gap}");
 }
 
 #[test]

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use algebra::time::QuasiStatic;
 use body::{Body, BodyState};
 use contact::{ContactForm, ContactLaw, ContactReport, DeformableObstacle, NitscheLaw, PenaltyLaw, RigidPlane};
+use mesh::generate::structured_box;
 use mesh::{Point, Vector};
 use solid_svk::supports::{Support, SupportKind, tagged_facets};
 use solid_svk::{ElasticOptions, Order, SolidMesh};
 
-use crate::setting::{Scene, block, block_of, soft};
+use crate::setting::{Scene, block_of, elastic, soft};
 
 const SIZE: f64 = 0.1;
 /// `4 μ (λ + μ)/(λ + 2 μ)` of [`soft`].
@@ -50,11 +51,21 @@ fn supported<const D: usize>(parts: Vec<(&str, SupportKind<D>)>) -> impl FnOnce(
 const OFFSET: f64 = 0.02;
 const PUSHED: f64 = 0.05;
 
+/// Returns a unit block of order 2 whose nodes on the edges of elements are shifted along the lower side, by different
+/// fractions of their distance from its ends.
+fn unevenly_divided() -> SolidMesh<2> {
+    let mesh = structured_box([0.0, 0.0], [1.0, 1.0], [4, 3]).unwrap();
+    SolidMesh::curved(mesh, |_, x| x + Vector::<2>::new(0.1 * x[0] * (1.0 - x[0]), 0.0)).unwrap()
+}
+
 /// Pushes a unit block onto a plane. Returns the report, the displacement of each vertex with its reference position,
 /// and the number of iterations.
-fn pushed_block(law: impl ContactLaw + 'static) -> (ContactReport<2>, Vec<(Point<2>, Vector<2>)>, usize) {
+fn pushed_block(
+    solid: SolidMesh<2>,
+    law: impl ContactLaw + 'static,
+) -> (ContactReport<2>, Vec<(Point<2>, Vector<2>)>, usize) {
     let supports = vec![("left", SupportKind::symmetry(0)), ("top", pushed_by(-PUSHED))];
-    let bodies = [block([0.0, 0.0], [1.0, 1.0], [4, 3], soft(), supported(supports))];
+    let bodies = [elastic(solid, soft(), supported(supports))];
     let states = [bodies[0].initial()];
     let scene = Scene::new(&bodies, &states, &QuasiStatic, 1.0);
     let form = ContactForm::new(law, SIZE).unwrap();
@@ -67,10 +78,17 @@ fn pushed_block(law: impl ContactLaw + 'static) -> (ContactReport<2>, Vec<(Point
 
 #[test]
 fn block_on_a_plane() {
+    let mesh = structured_box([0.0, 0.0], [1.0, 1.0], [4, 3]).unwrap();
+    let iterations = is_uniform_on_a_plane(SolidMesh::new(mesh).unwrap());
+    assert!(iterations < 12, "{iterations}");
+    is_uniform_on_a_plane(unevenly_divided());
+}
+
+/// Checks a block on a plane. Returns the number of iterations.
+fn is_uniform_on_a_plane(solid: SolidMesh<2>) -> usize {
     // With an offset. The penetration is uniform and so is the pressure.
     let gamma = 1e3;
-    let (found, moved, iterations) = pushed_block(PenaltyLaw::new(gamma, OFFSET).unwrap());
-    assert!(iterations < 12, "{iterations}");
+    let (found, moved, iterations) = pushed_block(solid, PenaltyLaw::new(gamma, OFFSET).unwrap());
     let gap = |stretch: f64| 1.0 - PUSHED - stretch;
     let stretch = bisect(0.8, 1.0, |l| pressure_at(l) - gamma / SIZE * (OFFSET - gap(l)));
     assert!((found.force[1] - pressure_at(stretch)).abs() < 1e-9 && found.force[0].abs() < 1e-9);
@@ -81,6 +99,7 @@ fn block_on_a_plane() {
         let exact = Vector::<2>::new((lateral - 1.0) * reference[0], -PUSHED + (1.0 - stretch) * (1.0 - reference[1]));
         assert!((d - exact).norm() < 1e-10, "{d} {exact}");
     }
+    iterations
 }
 
 /// The stress replaces the penetration. A wrong sign of the stress passes the checks of derivatives, but not this one.
@@ -88,7 +107,7 @@ fn block_on_a_plane() {
 fn a_consistent_law_keeps_the_offset() {
     let mut forces = Vec::new();
     for gamma_0 in [10.0, 1000.0] {
-        let (found, moved, _) = pushed_block(NitscheLaw::new(gamma_0, OFFSET, 0.0).unwrap());
+        let (found, moved, _) = pushed_block(unevenly_divided(), NitscheLaw::new(gamma_0, OFFSET, 0.0).unwrap());
         let stretch = 1.0 - PUSHED - OFFSET;
         assert!((found.minimum_gap.unwrap() - OFFSET).abs() < 1e-11, "{found:?}");
         assert!((found.force[1] - pressure_at(stretch)).abs() < 1e-9 * found.force[1], "{found:?}");

@@ -132,7 +132,15 @@ pub(crate) fn block_of<const D: usize>(
     lame: LameParameters,
     options: impl FnOnce(&SolidMesh<D>) -> ElasticOptions<D>,
 ) -> ElasticBody<D> {
-    let solid = SolidMesh::of_order(structured_box(min, max, n).unwrap(), order).unwrap();
+    elastic(SolidMesh::of_order(structured_box(min, max, n).unwrap(), order).unwrap(), lame, options)
+}
+
+/// Returns a body of unit density.
+pub(crate) fn elastic<const D: usize>(
+    solid: SolidMesh<D>,
+    lame: LameParameters,
+    options: impl FnOnce(&SolidMesh<D>) -> ElasticOptions<D>,
+) -> ElasticBody<D> {
     let form = SolidForm::new(1.0, SaintVenantKirchhoff::new(lame), Vector::zeros()).unwrap();
     let options = options(&solid);
     ElasticBody::new("body", solid, form, options).unwrap()

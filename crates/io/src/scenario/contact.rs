@@ -63,8 +63,8 @@ choices! {
         /// that deform have `nitsche`, which needs one solve.
         AugmentedLagrangian = "augmented-lagrangian" {
             /// Parameter `γ_C0`. Results do not depend on it if the solves of a step settle. Begin with a hundred times
-            /// `size` times the mass over the area of a facet over the square of the step. Larger values need fewer
-            /// solves; with friction much more is too large.
+            /// `size` times the mass over the area of a facet over the square of the step. With friction much more is
+            /// too large.
             gamma_contact_0: f64 [unit(Quantity::PRESSURE), positive],
             /// Coefficient of Coulomb friction: the tangential traction is at most this number times the pressure.
             friction: f64 [non_negative] = 0.0,

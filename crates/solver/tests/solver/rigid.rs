@@ -161,6 +161,28 @@ fn a_rigid_box_on_a_slope_sticks_or_slides_by_the_law_of_coulomb() {
     slope(Vector::<3>::new(0.8, -0.6, 0.0));
 }
 
+/// A block on a floor with a load across it that is a tenth larger than what tips it. The block turns about its lower
+/// edge. Contact is one point there, and the slowest factor of the iteration of multipliers is nearly one.
+#[test]
+fn a_rigid_block_tips_over_its_edge() {
+    let (width, height, dt, n) = (0.3, 1.0, 0.002, 50);
+    let across = 1.1 * 10.0 * width / height;
+    let block = structured_box::<2>([0.0, 0.0], [width, height], [3, 10]).expect("a box");
+    let mut setup = dry(vec![Arc::new(rigid("block", &block, 1000.0, V::new(across, -10.0)))], dt);
+    setup.newton = NewtonSettings::new(1e-9);
+    setup.contacts.push(augmented(&setup.bodies, 0, (1e10, 0.0, 0.8), ground()));
+    let (state, _) = run(&setup, n);
+    // The moment about the edge, which grows with the angle, over the moment of inertia about it.
+    let inertia = (width * width + height * height) / 3.0;
+    let (acceleration, growth) =
+        ((across * height - 10.0 * width) / 2.0 / inertia, ((10.0 * height + across * width) / 2.0 / inertia).sqrt());
+    let (spin, time) = (motion(&state, 0).spin[0].abs(), dt * n as f64);
+    let expected = acceleration * (growth * time).sinh() / growth;
+    assert!((spin - expected).abs() < 2e-3 * expected, "{spin} {expected}");
+    let edge = state.bodies[0].positions(setup.bodies[0].reference())[3];
+    assert!((edge - V::new(width, 0.0)).norm() < 1e-4, "{edge}");
+}
+
 /// Returns a brick between two planes that are closer to each other than its height.
 fn brick_between_planes() -> Setup<2> {
     let brick = structured_box::<2>([0.0, 0.0], [1.0, 1.0], [1, 1]).expect("a box");
@@ -188,20 +210,17 @@ fn a_body_that_does_not_fit_between_its_obstacles_is_an_error_with_a_remedy() {
     assert!(error.source.newton_report().is_some_and(|report| report.iterations > 200));
 }
 
+/// The iteration without acceleration leaves the factor `K/(K + 300)` of the error in each solve, with `K = 6/0.01²`.
 #[test]
-fn a_parameter_that_is_too_small_is_an_error_with_a_larger_one() {
+fn a_parameter_that_is_far_too_small_costs_few_solves() {
     let brick = structured_box::<2>([0.0, -0.01], [3.0, 0.99], [3, 1]).expect("a box");
-    let mut setup = dry(vec![Arc::new(rigid("brick", &brick, 2.0, V::zeros()))], 0.01);
+    let mut setup = dry(vec![Arc::new(rigid("brick", &brick, 2.0, V::new(1.0, 0.0)))], 0.01);
     setup.newton = NewtonSettings::new(1e-9);
     setup.contacts.push(augmented(&setup.bodies, 0, (100.0, 0.0, 0.0), ground()));
     let state = State::initial(&setup).expect("bodies");
-    let failed = advance(&setup, &state, Substep::whole(0.01), &mut Workspace::new()).expect_err("a soft contact");
-    let Error::Multipliers { ratio, .. } = failed.source else { panic!("{failed:?}") };
-    // The mass is 6: K = 6/0.01². The stiffness of the contact is 100 times its length, 3; the remedy is 100 K.
-    let stiffness = 6.0 / 0.01_f64.powi(2);
-    let expected = stiffness / (stiffness + 300.0);
-    assert!((ratio - expected).abs() < 1e-3 * (1.0 - expected), "{ratio} {expected}");
-    assert!(failed.source.to_string().contains("about 2e4 times as large"), "{failed:?}");
+    let (_, report) = advance(&setup, &state, Substep::whole(0.01), &mut Workspace::new()).expect("a soft contact");
+    assert!(report.contacts[0].minimum_gap.is_some_and(|gap| gap.abs() < 1e-10), "{report:?}");
+    assert!(report.newton.iterations < 20, "{report:?}");
 }
 
 /// Linear solver that fails after some solves.
@@ -235,11 +254,11 @@ impl LinearSolver for Failing {
 fn a_later_solve_that_fails_keeps_the_counts_of_the_solves_before() {
     let setup = brick_between_planes();
     let state = State::initial(&setup).expect("bodies");
-    let failing = Failing { solver: LaggedSolver::new(LaggedSettings::default()), n_left: 50 };
+    let failing = Failing { solver: LaggedSolver::new(LaggedSettings::default()), n_left: 12 };
     let mut work = Workspace::with_solver(Box::new(failing));
     let Err(error) = advance(&setup, &state, Substep::whole(0.01), &mut work) else { panic!("the solver fails") };
     assert!(matches!(error.source, Error::Newton(_)), "{error:?}");
-    assert_eq!(error.source.newton_report().map(|report| report.iterations), Some(50));
+    assert_eq!(error.source.newton_report().map(|report| report.iterations), Some(12));
 }
 
 #[test]
