@@ -12,7 +12,7 @@ use mesh::nalgebra::Rotation2;
 use mesh::{CellId, FacetId, Point, SimplexMesh, Vector, VertexId};
 use rand::SeedableRng;
 use rand_xoshiro::SplitMix64;
-use solid_svk::{ElasticBody, ElasticOptions, SaintVenantKirchhoff, SolidForm, SolidMesh};
+use solid_svk::{ElasticBody, ElasticOptions, Order, SaintVenantKirchhoff, SolidForm, SolidMesh};
 
 use crate::setting::{Scene, n_active, numbers, report_of, residual, soft, work};
 
@@ -22,12 +22,12 @@ const OFFSET: f64 = 0.05;
 const SLIT: f64 = 0.2;
 
 /// Returns a clamp: a square without the strip between its two jaws, open to the right.
-fn clamp() -> ElasticBody<2> {
-    part_of_square(|middle| middle[0] < 0.2 || (middle[1] - 0.5).abs() > 0.5 * SLIT)
+fn clamp(order: Order) -> ElasticBody<2> {
+    part_of_square(order, |middle| middle[0] < 0.2 || (middle[1] - 0.5).abs() > 0.5 * SLIT)
 }
 
 /// Returns the cells of a square whose middles are in a region.
-fn part_of_square(contains: impl Fn(Point<2>) -> bool) -> ElasticBody<2> {
+fn part_of_square(order: Order, contains: impl Fn(Point<2>) -> bool) -> ElasticBody<2> {
     let square = structured_box([0.0, 0.0], [1.0, 1.0], [10, 10]).unwrap();
     let is_solid =
         |cell: &CellId| contains(square.cell(*cell).iter().map(|v| square.vertex(*v)).sum::<Point<2>>() / 3.0);
@@ -39,12 +39,12 @@ fn part_of_square(contains: impl Fn(Point<2>) -> bool) -> ElasticBody<2> {
             VertexId::new(vertices.len() - 1)
         }));
     }
-    elastic(SimplexMesh::new(vertices, cells).unwrap())
+    elastic(order, SimplexMesh::new(vertices, cells).unwrap())
 }
 
 /// Returns an elastic body of the cells of a mesh.
-fn elastic(mesh: SimplexMesh<2>) -> ElasticBody<2> {
-    let solid = SolidMesh::new(mesh).unwrap();
+fn elastic(order: Order, mesh: SimplexMesh<2>) -> ElasticBody<2> {
+    let solid = SolidMesh::of_order(mesh, order).unwrap();
     let form = SolidForm::new(1.0, SaintVenantKirchhoff::new(soft()), Vector::zeros()).unwrap();
     ElasticBody::new("clamp", solid, form, ElasticOptions::default()).unwrap()
 }
@@ -60,10 +60,10 @@ fn bent(body: &ElasticBody<2>, narrowing: f64) -> BodyState<2> {
     BodyState::new(displacement, velocity)
 }
 
-/// Calls a test with the contact of the clamp with itself and a state at rest.
+/// Calls a test with the contact of the clamp, of either order, with itself and a state at rest.
 fn closed_clamp(
     closed: f64,
-    law: impl ContactLaw + 'static,
+    law: impl ContactLaw + Copy + 'static,
     test: impl Fn(&ContactSites<'_, 2>, &ElasticBody<2>, &[f64]),
 ) {
     closed_clamp_with(OFFSET + 2.0 * SIZE, closed, law, test);
@@ -73,12 +73,14 @@ fn closed_clamp(
 fn closed_clamp_with(
     exempt: f64,
     closed: f64,
-    law: impl ContactLaw + 'static,
+    law: impl ContactLaw + Copy + 'static,
     test: impl Fn(&ContactSites<'_, 2>, &ElasticBody<2>, &[f64]),
 ) {
-    let body = clamp();
-    let state = bent(&body, closed);
-    with_contact(exempt, body, state, law, test);
+    for order in [Order::Linear, Order::Quadratic] {
+        let body = clamp(order);
+        let state = bent(&body, closed);
+        with_contact(exempt, body, state, law, &test);
+    }
 }
 
 /// Calls a test with the contact of a body with itself.
@@ -123,7 +125,7 @@ fn an_open_clamp_does_not_touch_itself() {
 fn the_sides_of_a_corner_do_not_touch_through_its_opening() {
     let is_angle = |x: Point<2>| x[0] < 0.3 || x[1] < 0.3;
     for (slope, curvature) in [(0.1, -1.0), (0.1, 0.0), (0.1, 1.0), (0.4, -1.0)] {
-        let body = part_of_square(is_angle);
+        let body = part_of_square(Order::Linear, is_angle);
         let raised = |x: &Point<2>| {
             let along = (x[0] - 0.3).max(0.0);
             Vector::<2>::new(0.0, slope * along * (1.0 + curvature * along))
@@ -188,15 +190,21 @@ fn contact_does_not_depend_on_the_direction_of_the_axes() {
     let (closed, exempt) = (0.18, 0.12);
     let reports = [0.0, FRAC_PI_4].map(|angle| {
         let turn = Rotation2::new(angle).into_inner();
-        let straight = clamp();
+        let straight = clamp(Order::Linear);
         let mesh = straight.solid().mesh().mapped(|x| turn * x).unwrap();
         let displacement: Vec<_> = bent(&straight, closed).displacement().iter().map(|d| turn * d).collect();
         let velocity = vec![Vector::zeros(); displacement.len()];
         let report = RefCell::new(None);
-        with_contact(exempt, elastic(mesh), BodyState::new(displacement, velocity), penalty(), |contact, _, x| {
-            let found = report_of(contact, x);
-            report.replace(Some((found.n_active, found.minimum_gap.unwrap(), found.largest_penetration)));
-        });
+        with_contact(
+            exempt,
+            elastic(Order::Linear, mesh),
+            BodyState::new(displacement, velocity),
+            penalty(),
+            |contact, _, x| {
+                let found = report_of(contact, x);
+                report.replace(Some((found.n_active, found.minimum_gap.unwrap(), found.largest_penetration)));
+            },
+        );
         report.into_inner().unwrap()
     });
     let [straight, turned] = reports;
@@ -206,7 +214,7 @@ fn contact_does_not_depend_on_the_direction_of_the_axes() {
 
 #[test]
 fn its_tangent_is_exact() {
-    fn check(law: impl ContactLaw + 'static) {
+    fn check(law: impl ContactLaw + Copy + 'static) {
         closed_clamp(0.17, law, |contact, _, at_rest| {
             let x = numbers(&mut SplitMix64::seed_from_u64(7), at_rest.len(), 0.3);
             assert!(n_active(contact, &x, |_| true) > 3);
