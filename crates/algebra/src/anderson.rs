@@ -10,15 +10,18 @@ const LARGEST_GROWTH: f64 = 2.0;
 /// Anderson's acceleration of the iteration `x ← g(x)`.
 ///
 /// The next iterate is the combination of the images of the last iterates, with coefficients whose sum is one, in which
-/// the combination of the changes `g(x) - x` is smallest. A linear iteration with `n` different factors of contraction
-/// ends after `n + 1` iterations, however close to one they are. Where the changes grow, the iteration starts again.
+/// the combination of the changes `g(x) - x` is smallest. A linear iteration with `n` different factors of contraction,
+/// at most as many as the depth, ends after `n + 1` iterations, however close to one they are. Where the changes grow,
+/// the history is discarded.
 ///
 /// Source: Walker and Ni 2011, Anderson acceleration for fixed-point iterations, doi:10.1137/10078356X.
 #[derive(Clone, Debug)]
 pub struct Anderson {
+    /// Largest number of differences.
     depth: usize,
-    first: Vec<f64>,
-    /// Iterate of which the next image is that; empty at the start.
+    /// Whether an iterate was combined from several images.
+    is_accelerated: bool,
+    /// Iterate whose image is given next; empty at the start.
     iterate: Vec<f64>,
     /// Change and image of the iterate before, if there is one.
     before: Option<[Vec<f64>; 2]>,
@@ -29,23 +32,23 @@ pub struct Anderson {
 impl Anderson {
     /// Creates the acceleration with the largest number of differences.
     pub fn new(depth: usize) -> Self {
-        Self { depth, first: Vec::new(), iterate: Vec::new(), before: None, differences: VecDeque::new() }
+        Self { depth, is_accelerated: false, iterate: Vec::new(), before: None, differences: VecDeque::new() }
     }
 
-    /// Starts again from the first iterate, without acceleration, and returns this iterate. Returns `None` without
-    /// iterates and without acceleration.
-    pub fn restart_plain(&mut self) -> Option<&[f64]> {
-        if self.first.is_empty() || self.depth == 0 {
-            return None;
-        }
-        *self = Self { iterate: self.first.clone(), ..Self::new(0) };
-        Some(&self.iterate)
+    /// Returns whether an iterate was combined from several images.
+    pub fn is_accelerated(&self) -> bool {
+        self.is_accelerated
+    }
+
+    /// Discards the history: the map is another one from now on.
+    pub fn forget(&mut self) {
+        self.before = None;
+        self.differences.clear();
     }
 
     /// Returns the next iterate, given the image of the one before. The first iterate is the first image.
     pub fn next(&mut self, image: Vec<f64>) -> &[f64] {
         if self.iterate.is_empty() {
-            self.first = image.clone();
             self.iterate = image;
             return &self.iterate;
         }
@@ -70,6 +73,7 @@ impl Anderson {
                 basis.push(pair);
             }
         }
+        self.is_accelerated |= !basis.is_empty();
         let mut pair = [change.clone(), image.clone()];
         basis.iter().for_each(|of| project(&mut pair, of));
         let [_, next] = pair;
@@ -110,11 +114,10 @@ mod tests {
         }
         assert!(x.iter().all(|x| (x - 1.0).abs() < 1e-6), "{x:?}");
         assert_eq!(anderson.next(x.clone()), x, "nothing changes at the fixed point");
-        let mut x = anderson.restart_plain().expect("an accelerated iteration").to_vec();
-        for _ in 0..3 {
-            x = anderson.next(g(&x)).to_vec();
-        }
-        assert!((x[2] - 1.0625).abs() < 1e-15 && anderson.restart_plain().is_none(), "{x:?}");
+        assert!(anderson.is_accelerated());
+        let mut plain = Anderson::new(0);
+        let x = (0..4).fold(vec![0.0; 5], |x, _| plain.next(g(&x)).to_vec());
+        assert!((x[2] - 0.9375).abs() < 1e-15 && !plain.is_accelerated(), "{x:?}");
     }
 
     #[test]

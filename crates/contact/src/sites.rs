@@ -193,6 +193,16 @@ impl<const D: usize> ContactItems<D> {
         }
     }
 
+    /// Returns the components of the multipliers of all points.
+    pub fn multipliers(&self) -> Vec<f64> {
+        let of_item = |item: &Item<D>| {
+            let mut values = item.multipliers.clone();
+            values.resize(item.points.len(), Local::default());
+            values
+        };
+        self.items.iter().flat_map(of_item).flatten().collect()
+    }
+
     /// Sets the multipliers of the next solve to the first components of a list ([`Multipliers::components`]), and
     /// removes these from it.
     pub fn set_multipliers(&mut self, components: &mut &[f64]) {

@@ -8,7 +8,7 @@ use crate::{Error, Step};
 /// Largest number of solves of a step in which multipliers change.
 const MOST_SOLVES: usize = 200;
 /// Number of differences of multipliers with which their iteration is accelerated.
-const DEPTH: usize = 5;
+const DEPTH: usize = 8;
 /// Tolerance to which a step with a collision is refined, relative to that of other steps.
 const IN_COLLISION: f64 = 1e-4;
 /// Smallest tolerance that a collision sets, well above round-off.
@@ -26,39 +26,54 @@ impl<const D: usize> Step<'_, D> {
     /// Newton's method fails, or the multipliers still change after the largest number of solves.
     pub(crate) fn solve(&mut self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, Error> {
         let mut report = self.first_solve(x, work)?;
-        let (first, mut anderson) = (x.to_vec(), Anderson::new(DEPTH));
-        for solves in 1.. {
-            let unsettled = self.augment(x, &mut anderson);
+        let (first, multipliers, mut anderson) = (x.to_vec(), self.multipliers(), Anderson::new(DEPTH));
+        let mut settled = self.settle(x, work, &mut anderson, &mut report);
+        if settled.is_err() && anderson.is_accelerated() {
+            // Accelerated multipliers may be those of no state, or never settle.
+            x.copy_from_slice(&first);
+            self.set_multipliers(&multipliers);
+            settled = self.settle(x, work, &mut Anderson::new(0), &mut report);
+        }
+        settled?;
+        self.refine_collision(x, work, &mut report);
+        self.remove_pressure_means(x);
+        Ok(report)
+    }
+
+    /// Solves the step again from its solution `x` until multipliers and points of collisions no longer change. The
+    /// work is added to the report.
+    fn settle(
+        &mut self,
+        x: &mut [f64],
+        work: &mut Workspace,
+        anderson: &mut Anderson,
+        report: &mut NewtonReport,
+    ) -> Result<(), Error> {
+        let mut solves = 1;
+        loop {
             // Each point of a collision is added at most a given number of times, so that collisions settle.
             let has_other_points = self.settle_collisions(x);
-            match unsettled {
-                None if !has_other_points => break,
+            if has_other_points {
+                anderson.forget();
+            }
+            match self.augment(x, anderson) {
+                None if !has_other_points => return Ok(()),
                 Some(Unsettled { contact, change, accepted }) if !has_other_points && solves >= MOST_SOLVES => {
-                    let newton = Box::new(report);
+                    let newton = Box::new(report.clone());
                     return Err(Error::Multipliers { contact, solves, change, accepted, newton });
                 }
                 _ => {}
             }
+            let before = report.clone();
             let mut solved = newton(&self.problem().equations, x, work, &self.setup.newton);
-            if let Err(error) = &mut solved
-                && let Some(multipliers) = anderson.restart_plain()
-            {
-                // Accelerated multipliers may be far from those of any state.
-                report.add_work(error.report_mut());
-                x.copy_from_slice(&first);
-                self.set_multipliers(multipliers);
-                solved = newton(&self.problem().equations, x, work, &self.setup.newton);
-            }
-            let mut last = solved.map_err(|mut error| {
-                error.report_mut().add_work(&report);
+            *report = solved.as_mut().map_or_else(|error| error.report_mut().clone(), |last| last.clone());
+            report.add_work(&before);
+            solved.map_err(|mut error| {
+                *error.report_mut() = report.clone();
                 error
             })?;
-            last.add_work(&report);
-            report = last;
+            solves += 1;
         }
-        self.refine_collision(x, work, &mut report);
-        self.remove_pressure_means(x);
-        Ok(report)
     }
 
     /// Solves the step from the guess `x` with the multipliers of its start. Without inertia it first begins with
@@ -117,6 +132,13 @@ impl<const D: usize> Step<'_, D> {
         self.collisions.iter_mut().flatten().fold(false, |changed, collision| collision.settle(x) | changed)
     }
 
+    /// Returns the components of the multipliers of all contacts that have some, in order.
+    fn multipliers(&self) -> Vec<f64> {
+        let contacts = self.setup.contacts.iter().zip(&self.contacts);
+        let with_multipliers = contacts.filter(|(contact, _)| contact.form().law.stress() == StressSource::Multiplier);
+        with_multipliers.flat_map(|(_, step)| step.multipliers()).collect()
+    }
+
     /// Sets the multipliers of the next solve, for all contacts in order.
     fn set_multipliers(&mut self, mut components: &[f64]) {
         let contacts = self.setup.contacts.iter().zip(&mut self.contacts);
@@ -137,8 +159,17 @@ impl<const D: usize> Step<'_, D> {
             (change > accepted).then_some(Unsettled { contact: index, change, accepted })
         });
         let unsettled = changes.reduce(|a, b| if b.ratio() > a.ratio() { b } else { a })?;
-        let multipliers: Vec<f64> = found.into_iter().flatten().flat_map(|found| found.components).collect();
-        self.set_multipliers(anderson.next(multipliers));
+        // Relative to what the laws accept: contacts may have pressures of different magnitudes.
+        let found = found.into_iter().zip(&self.setup.contacts);
+        let found =
+            found.filter_map(|(found, contact)| Some((found?, contact.form().law.accepted_change(f64::INFINITY))));
+        let (mut components, mut scales) = (Vec::new(), Vec::new());
+        for (found, scale) in found {
+            components.extend(found.components.iter().map(|component| component / scale));
+            scales.resize(components.len(), scale);
+        }
+        let next: Vec<f64> = anderson.next(components).iter().zip(scales).map(|(next, scale)| next * scale).collect();
+        self.set_multipliers(&next);
         Some(unsettled)
     }
 }

@@ -108,6 +108,11 @@ impl<const D: usize> ContactStep<D> {
         ContactSites { items: &self.items, pair: pair(contact, refs), layout: refs.layout }
     }
 
+    /// Returns the components of the multipliers of all points.
+    pub(crate) fn multipliers(&self) -> Vec<f64> {
+        self.items.multipliers()
+    }
+
     /// Sets the multipliers of the next solve to the first components of a list, and removes these from it.
     pub(crate) fn set_multipliers(&mut self, components: &mut &[f64]) {
         self.items.set_multipliers(components);

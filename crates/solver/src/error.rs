@@ -136,7 +136,7 @@ pub enum Error {
     /// obstacles, or surfaces change between contact, sticking and slipping from solve to solve.
     #[error(
         "the multipliers of contact {contact} still change by {change:.3e} after {solves} solves, and {accepted:.3e}, a force per area, is accepted; \
-         check that the body fits between its obstacles, and take a larger parameter of its law; with friction also try a smaller one, or a larger tolerance"
+         check that the body fits between its obstacles, and try a larger parameter of its law, with friction also a smaller one, or a larger tolerance"
     )]
     Multipliers {
         /// Index of the contact in the setup.

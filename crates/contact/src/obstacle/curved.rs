@@ -4,9 +4,11 @@ use mesh::search::Foot;
 use mesh::{Aabb, Barycentric, MAX_CELL_VERTICES, MAX_FACET_NODES, Order, Point, Tensor, Vector, area_vector};
 
 /// Largest number of Newton iterations.
-const MOST_ITERATIONS: usize = 20;
+const MOST_ITERATIONS: usize = 50;
 /// Correction of coordinates that is the last one. The error after it is of the order of its square.
 const LAST: f64 = 1e-9;
+/// Round-off of squared distances, relative to those and to squared sizes.
+const ROUND_OFF: f64 = 1e-14;
 /// Barycentric coordinates above minus this value are inside.
 const INSIDE: f64 = 1e-13;
 /// Squared distances with a smaller relative difference are treated as equal.
@@ -66,18 +68,15 @@ fn on_parts<const D: usize>(x: &Point<D>, nodes: &[Point<D>; MAX_FACET_NODES]) -
 }
 
 impl<const D: usize> CurvedFoot<D> {
-    /// Computes the closest point of the facet of an element with the given nodes: inside of the facet if there is one,
-    /// otherwise the closest of those of the edges and vertices.
+    /// Computes the closest point of the facet of an element with the given nodes: the closest of those inside of the
+    /// facet, on its edges and at its vertices.
     pub(super) fn new(x: &Point<D>, nodes: &[Point<D>; MAX_FACET_NODES]) -> Self {
-        let (whole, start) = ((1_usize << D) - 1, on_parts(x, nodes));
-        if let Some(foot) = Self::on_face(x, nodes, whole, start) {
-            return foot;
-        }
-        let edges = (1..whole).filter(|face| face.count_ones() > 1);
-        let edges = edges.filter_map(|face| Self::on_face(x, nodes, face, start));
+        let start = on_parts(x, nodes);
+        let faces = (1..1_usize << D).filter(|face| face.count_ones() > 1);
+        let faces = faces.filter_map(|face| Self::on_face(x, nodes, face, start));
         let vertices = (1..D).map(|vertex| Self::on_vertex(x, nodes, vertex));
         let closer = |best: Self, foot: Self| if foot.is_preferred_to(&best) { foot } else { best };
-        edges.chain(vertices).fold(Self::on_vertex(x, nodes, 0), closer)
+        faces.chain(vertices).fold(Self::on_vertex(x, nodes, 0), closer)
     }
 
     /// Returns whether a point at the given squared distance is farther away, by more than round-off.
@@ -203,9 +202,9 @@ impl<const D: usize> CurvedFoot<D> {
                 });
             }
             let mut step = inverse * (t.transpose() * r);
-            is_converged = step.norm() < LAST;
-            let before = r.norm_squared();
-            while !is_converged && step.norm() > LAST && squared(&moved(&at, &step)) > before {
+            is_converged = step.norm() <= LAST;
+            let largest = r.norm_squared() + ROUND_OFF * (r.norm_squared() + g.trace());
+            while step.norm() > LAST && squared(&moved(&at, &step)) > largest {
                 step *= 0.5;
             }
             at = moved(&at, &step);

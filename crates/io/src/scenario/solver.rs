@@ -21,8 +21,8 @@ keys! {
         end: f64 [unit(Quantity::TIME), positive],
         /// Time scheme of fluid and bodies.
         scheme: At<TimeSchemeChoice> = "generalised-alpha",
-        /// Number of times that a step is halved, if Newton's method fails, a contact may have been missed, a body
-        /// passes through its obstacle or a cell is inverted, before the run stops.
+        /// Number of times that a step is halved, if Newton's method fails, multipliers of contact do not settle, a contact
+        /// may have been missed, a body passes through its obstacle or a cell is inverted, before the run stops.
         most_halvings: usize [between(0.0, 20.0)] = 4,
         /// Substeps that become shorter as the bodies of a contact approach; none if left out.
         approach: Option<Approach>,

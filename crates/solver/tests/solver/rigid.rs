@@ -205,7 +205,7 @@ fn a_body_that_does_not_fit_between_its_obstacles_is_an_error_with_a_remedy() {
     let Err(error) = advance(&setup, &state, Substep::whole(0.01), &mut Workspace::new()) else {
         panic!("the planes are 0.85 apart, and the brick is 1 high")
     };
-    assert!(matches!(error.source, Error::Multipliers { contact: 0, .. }), "{error:?}");
+    assert!(matches!(error.source, Error::Multipliers { .. }), "{error:?}");
     assert!(error.source.to_string().contains("check that the body fits between its obstacles"), "{error:?}");
     assert!(error.source.newton_report().is_some_and(|report| report.iterations > 200));
 }
@@ -254,11 +254,11 @@ impl LinearSolver for Failing {
 fn a_later_solve_that_fails_keeps_the_counts_of_the_solves_before() {
     let setup = brick_between_planes();
     let state = State::initial(&setup).expect("bodies");
-    let failing = Failing { solver: LaggedSolver::new(LaggedSettings::default()), n_left: 12 };
+    let failing = Failing { solver: LaggedSolver::new(LaggedSettings::default()), n_left: 6 };
     let mut work = Workspace::with_solver(Box::new(failing));
     let Err(error) = advance(&setup, &state, Substep::whole(0.01), &mut work) else { panic!("the solver fails") };
     assert!(matches!(error.source, Error::Newton(_)), "{error:?}");
-    assert_eq!(error.source.newton_report().map(|report| report.iterations), Some(12));
+    assert_eq!(error.source.newton_report().map(|report| report.iterations), Some(6));
 }
 
 #[test]
