@@ -13,6 +13,8 @@ const ROUND_OFF: f64 = 1e-14;
 const INSIDE: f64 = 1e-13;
 /// Squared distances with a smaller relative difference are treated as equal.
 const TIE: f64 = 1e-8;
+/// Squared distances that are round-off, relative to squared sizes: those of points on the surface.
+const TOUCHING: f64 = 1e-22;
 
 /// Closest point `Π(x)` of the facet of a quadratic element to a point `x`, with derivatives.
 ///
@@ -28,6 +30,8 @@ pub(super) struct CurvedFoot<const D: usize> {
     /// The closest point.
     pub(super) point: Point<D>,
     squared_distance: f64,
+    /// Square of the length of the first edge.
+    squared_size: f64,
     /// Barycentric coordinates in the facet of the element; exactly zero at vertices that do not span the feature.
     pub(super) at: Barycentric,
     /// Shape functions.
@@ -86,7 +90,7 @@ impl<const D: usize> CurvedFoot<D> {
 
     /// Returns whether this point is closer, or equally close and on a feature of higher dimension.
     pub(super) fn is_preferred_to(&self, other: &Self) -> bool {
-        let tolerance = TIE * other.squared_distance;
+        let tolerance = TIE * other.squared_distance + TOUCHING * other.squared_size;
         self.squared_distance < other.squared_distance - tolerance
             || (self.squared_distance <= other.squared_distance + tolerance
                 && self.face.count_ones() > other.face.count_ones())
@@ -108,6 +112,7 @@ impl<const D: usize> CurvedFoot<D> {
         Self {
             point: nodes[vertex],
             squared_distance: (x - nodes[vertex]).norm_squared(),
+            squared_size: (nodes[1] - nodes[0]).norm_squared(),
             at,
             shape: std::array::from_fn(|node| f64::from(u8::from(node == vertex))),
             gradient: [Vector::zeros(); MAX_FACET_NODES],
@@ -192,6 +197,7 @@ impl<const D: usize> CurvedFoot<D> {
                 return Some(Self {
                     point,
                     squared_distance: r.norm_squared(),
+                    squared_size: (nodes[1] - nodes[0]).norm_squared(),
                     at,
                     shape: std::array::from_fn(|k| shape.values[k]),
                     gradient: std::array::from_fn(|k| to_gradient * by_coordinates(&shape.derivatives[k])),
@@ -241,6 +247,8 @@ mod tests {
             let found = foot.squared_distance.sqrt();
             assert!(found < closest + 1e-9 && found > closest - 3.0 / n as f64, "{found} {closest}: {x} {nodes:?}");
             assert!(bounds(&nodes).squared_distance(&foot.point) < 1e-20);
+            let on_edge = CurvedFoot::new(&at([n / 4, 0]), &nodes);
+            assert!(on_edge.normal.is_some() && on_edge.squared_distance < 1e-24, "a point on an edge is on the facet");
             assert!(samples().all(|k| bounds(&nodes).squared_distance(&at(k)) < 1e-20));
         }
     }
