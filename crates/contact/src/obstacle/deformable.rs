@@ -6,7 +6,7 @@ use mesh::{
     facet_normal,
 };
 
-use super::curved::{self, CurvedFoot};
+use super::curved::{CurvedFacet, CurvedFoot, closest_of};
 use super::{Anchor, Obstacle, Projection};
 use crate::{Error, Positions};
 
@@ -180,29 +180,15 @@ impl<const D: usize> DeformableObstacle<D> {
         if order == Order::Linear {
             return None;
         }
-        let mut best: Option<(FacetId, CurvedFoot<D>)> = None;
-        let mut before = None;
-        for &facet in candidates {
-            // The parts of an element follow each other.
-            let element = boundary.element_of(facet).0;
-            if before.replace(element) == Some(element) {
-                continue;
-            }
-            let nodes = boundary.at_nodes(facet, |node| at.at(node));
-            let bound = || curved::bounds(&nodes).squared_distance(x);
-            if best.as_ref().is_some_and(|(_, known)| known.is_closer_than(bound())) {
-                continue;
-            }
-            let foot = CurvedFoot::new(x, &nodes);
-            if best.as_ref().is_none_or(|(_, known)| foot.is_preferred_to(known)) {
-                best = Some((facet, foot));
-            }
-        }
-        let (facet, foot) = best?;
-        let (part, inside) = order.part_at(D - 1, &foot.at);
+        // The parts of an element follow each other.
+        let elements = candidates.chunk_by(|a, b| boundary.element_of(*a).0 == boundary.element_of(*b).0);
+        let curved = elements.map(|parts| (parts[0], CurvedFacet(boundary.at_nodes(parts[0], |node| at.at(node)))));
+        let (facet, curved, closest) = closest_of(x, curved)?;
+        let foot = CurvedFoot::new(x, &curved, &closest);
+        let (part, inside) = order.part_at(D - 1, &closest.at);
         let facet = boundary.parts_of(boundary.element_of(facet).0).nth(part).unwrap_or(facet);
         let (normal, normal_gradient) = foot.normal.unwrap_or_else(|| {
-            let feature = Feature::Vertex(boundary.nodes(facet)[foot.node()]);
+            let feature = Feature::Vertex(boundary.nodes(facet)[closest.node(D)]);
             let outward = self.vertex_to_facet.pseudo_normal(boundary, |v| at.at(v), facet, feature);
             let size = (at.at(boundary.nodes(facet)[1]) - at.at(boundary.nodes(facet)[0])).norm();
             normal_at_kink(x, &foot.point, outward, size, &foot.point_gradient)
