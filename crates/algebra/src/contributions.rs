@@ -29,10 +29,12 @@ pub trait Contributions: Sync {
         false
     }
 
-    /// Returns a hash of the non-smooth state at `x`, such as the set of points in contact.
+    /// Returns a hash of the non-smooth state of an item at `x`, such as the set of its points in contact. It contains
+    /// the number of the item.
     ///
-    /// When it changes, Newton's method renews the factorisation, and does not accept the iterate.
-    fn regime(&self, _x: &[f64]) -> u64 {
+    /// When it changes, Newton's method renews the factorisation, and does not accept the iterate. The state of linear
+    /// contributions is not read.
+    fn regime(&self, _item: usize, _x: &[f64]) -> u64 {
         0
     }
 

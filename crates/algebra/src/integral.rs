@@ -29,8 +29,8 @@ pub trait Sites: Sync {
     /// Calls `visit` with each site of an item at the state `x` (the global vector).
     fn visit(&self, item: usize, x: &[f64], visit: impl FnMut(&Self::Site));
 
-    /// Returns a hash of the non-smooth state at `x`; see [`Contributions::regime`].
-    fn regime(&self, _x: &[f64]) -> u64 {
+    /// Returns a hash of the non-smooth state of an item at `x`; see [`Contributions::regime`].
+    fn regime(&self, _item: usize, _x: &[f64]) -> u64 {
         0
     }
 }
@@ -77,8 +77,8 @@ impl<S: Sites> Contributions for Integral<'_, S> {
         self.is_linear
     }
 
-    fn regime(&self, x: &[f64]) -> u64 {
-        self.sites.regime(x)
+    fn regime(&self, item: usize, x: &[f64]) -> u64 {
+        self.sites.regime(item, x)
     }
 
     fn name(&self) -> &'static str {

@@ -62,7 +62,6 @@ mod linear;
 mod local_system;
 mod newton;
 mod pattern;
-mod regime;
 mod scatter;
 mod tied;
 pub mod time;
@@ -84,7 +83,6 @@ pub use linear::{
 pub use local_system::LocalSystem;
 pub use newton::{Equations, NewtonError, NewtonReport, NewtonSettings, newton};
 pub use pattern::Pattern;
-pub use regime::RegimeHash;
-pub use scatter::power;
+pub use scatter::{RegimeHash, power, regime_of};
 pub use tied::Tied;
 pub use workspace::Workspace;

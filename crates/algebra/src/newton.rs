@@ -6,6 +6,7 @@ use crate::contributions::for_each_residual;
 use crate::linear::{LinearError, LinearSolver};
 use crate::{
     BlockLayout, BlockSystem, Constraints, ContributionTiming, Contributions, DofId, Forcing, Tied, Workspace,
+    regime_of,
 };
 
 /// Number of successive growing corrections with exact tangents after which the iteration has diverged.
@@ -38,7 +39,8 @@ pub struct Equations<'p> {
 impl Equations<'_> {
     /// Returns a hash of the non-smooth state at `x`; see [`Contributions::regime`].
     pub fn regime(&self, x: &[f64]) -> u64 {
-        self.contributions.iter().fold(0, |hash, contribution| hash.rotate_left(1) ^ contribution.regime(x))
+        let nonlinear = self.contributions.iter().filter(|terms| !terms.is_linear());
+        nonlinear.fold(0, |hash: u64, terms| hash.rotate_left(1) ^ regime_of(terms.as_ref(), x))
     }
 
     /// Returns the residual at `x` of the equations of prescribed and tied dofs and of the masters of tied ones: the

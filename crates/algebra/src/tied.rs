@@ -110,8 +110,8 @@ impl Contributions for Tied<'_> {
         self.plain.is_linear()
     }
 
-    fn regime(&self, x: &[f64]) -> u64 {
-        self.plain.regime(x)
+    fn regime(&self, item: usize, x: &[f64]) -> u64 {
+        self.plain.regime(item, x)
     }
 
     fn name(&self) -> &'static str {

@@ -120,8 +120,6 @@ pub struct ContactItems<const D: usize> {
 /// A facet of the slave with an obstacle in reach.
 #[derive(Clone, Debug)]
 struct Item<const D: usize> {
-    /// Position in [`ContactPair::facets`].
-    number: usize,
     facet: FacetId,
     /// Facets of the obstacle that the facet may touch.
     candidates: Vec<FacetId>,
@@ -223,7 +221,7 @@ impl<const D: usize> ContactItems<D> {
         let is_searched = candidates.is_some();
         let is_gradient = pair.conserves && pair.form.law.energy_density(&ContactPoint::default()).is_some();
         let candidates = candidates.unwrap_or_else(|| vec![Vec::new(); facets.len()]);
-        for ((number, &facet), candidates) in facets.iter().enumerate().zip(candidates) {
+        for (&facet, candidates) in facets.iter().zip(candidates) {
             if is_searched && candidates.is_empty() {
                 continue;
             }
@@ -273,7 +271,7 @@ impl<const D: usize> ContactItems<D> {
                 found.map_or(f64::INFINITY, |projection| projection.gap(&start))
             };
             let begin_gaps = if is_gradient { points.iter().map(begin_gap).collect() } else { Vec::new() };
-            items.push(Item { number, facet, candidates, points, masters, dofs, begin_gaps, multipliers: Vec::new() });
+            items.push(Item { facet, candidates, points, masters, dofs, begin_gaps, multipliers: Vec::new() });
         }
         Self { items, is_searched }
     }
@@ -447,11 +445,10 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
     }
 
     /// Returns the hash of the set of active points.
-    fn regime(&self, x: &[f64]) -> u64 {
+    fn regime(&self, item: usize, x: &[f64]) -> u64 {
         let mut hash = RegimeHash::default();
-        for (k, item) in self.items.items.iter().enumerate() {
-            self.each_point(k, x, |site| hash.extend([item.number as u64, site.number as u64]));
-        }
+        hash.extend([item as u64]);
+        self.each_point(item, x, |site| hash.extend([site.number as u64]));
         hash.value()
     }
 }

@@ -131,13 +131,16 @@ impl<'a, const D: usize> Sites for FluidCells<'a, D> {
         visit(&cell);
     }
 
-    /// Returns the hash of the vertices of films whose pressure is below the floor; 0 without a floor.
-    fn regime(&self, x: &[f64]) -> u64 {
-        let (Some(floor), Some(films)) = (self.floor, self.geometry.films) else { return 0 };
-        let of_films = self.geometry.cut.all_parts().filter(|part| films.of(*part).is_some());
-        let dofs = of_films.flat_map(|part| self.geometry.space.dofs(part));
+    /// Returns the hash of the vertices whose pressure is below the floor; 0 without a floor and outside of films.
+    fn regime(&self, item: usize, x: &[f64]) -> u64 {
+        let part = PartId(item as u32);
+        let (Some(floor), Some(_)) = (self.floor, self.geometry.films.and_then(|films| films.of(part))) else {
+            return 0;
+        };
+        let dofs = self.geometry.space.dofs(part).iter();
         let below = dofs.filter(|dof| self.fields.pressure_at(x, **dof) < floor);
         let mut hash = RegimeHash::default();
+        hash.extend([item as u64]);
         hash.extend(below.map(|dof| u64::from(*dof)));
         hash.value()
     }

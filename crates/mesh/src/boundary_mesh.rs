@@ -126,6 +126,12 @@ impl<const D: usize> BoundaryMesh<D> {
         (facet.index() / n_parts, facet.index() % n_parts)
     }
 
+    /// Splits a list of facets in which the parts of an element follow each other into the parts of each element.
+    pub fn by_element<'f>(&self, facets: &'f [FacetId]) -> impl Iterator<Item = &'f [FacetId]> + use<'f, D> {
+        let n_parts = self.order.parts(D - 1).len();
+        facets.chunk_by(move |a, b| a.index() / n_parts == b.index() / n_parts)
+    }
+
     /// Returns the nodes of the facet of an element that a facet is a part of; for order 1 the vertices of the facet.
     #[inline]
     pub fn nodes(&self, facet: FacetId) -> &[VertexId] {

@@ -2,10 +2,12 @@
 
 mod affine;
 mod power;
+mod regime;
 mod stripes;
 
 pub(crate) use affine::AffineSum;
 pub use power::power;
+pub use regime::{RegimeHash, regime_of};
 pub(crate) use stripes::Stripes;
 
 use std::ops::Range;

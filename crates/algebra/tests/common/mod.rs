@@ -47,7 +47,7 @@ impl Contributions for Part<'_> {
     fn is_linear(&self) -> bool {
         self.is_linear
     }
-    fn regime(&self, x: &[f64]) -> u64 {
+    fn regime(&self, _item: usize, x: &[f64]) -> u64 {
         (self.regime)(x)
     }
     fn name(&self) -> &'static str {

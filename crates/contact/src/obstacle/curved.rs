@@ -22,7 +22,7 @@ pub(super) struct CurvedFacet<const D: usize>(pub(super) [Point<D>; MAX_FACET_NO
 
 /// Point of a facet that is closest to another point: inside of the facet, or on one of its edges or vertices.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ClosestPoint {
+pub(super) struct CurvedPoint {
     squared_distance: f64,
     /// Square of the length of the first edge.
     squared_size: f64,
@@ -79,7 +79,7 @@ struct Polynomial<const D: usize> {
     bending: [Tensor<D>; 3],
 }
 
-impl ClosestPoint {
+impl CurvedPoint {
     /// Returns whether a point at the given squared distance is farther away, by more than round-off.
     fn is_closer_than(&self, squared_distance: f64) -> bool {
         squared_distance > self.squared_distance * (1.0 + TIE)
@@ -256,10 +256,10 @@ impl<const D: usize> CurvedFacet<D> {
     }
 
     /// Computes the closest of the points inside of the facet, on its edges and at its vertices.
-    fn closest(&self, x: &Point<D>, on_parts: &OnParts) -> ClosestPoint {
+    fn closest(&self, x: &Point<D>, on_parts: &OnParts) -> CurvedPoint {
         let whole = (1_usize << D) - 1;
         let squared_size = (self.0[1] - self.0[0]).norm_squared();
-        let on = |face, (at, squared_distance)| ClosestPoint { squared_distance, squared_size, at, face };
+        let on = |face, (at, squared_distance)| CurvedPoint { squared_distance, squared_size, at, face };
         let vertex = |k| on(1_usize << k, (Order::Quadratic.node(D - 1, k), (x - self.0[k]).norm_squared()));
         let mut best =
             (1..D).fold(vertex(0), |best, k| if vertex(k).is_preferred_to(&best) { vertex(k) } else { best });
@@ -282,7 +282,7 @@ impl<const D: usize> CurvedFacet<D> {
 pub(super) fn closest_of<L, const D: usize>(
     x: &Point<D>,
     facets: impl Iterator<Item = (L, CurvedFacet<D>)>,
-) -> Option<(L, CurvedFacet<D>, ClosestPoint)> {
+) -> Option<(L, CurvedFacet<D>, CurvedPoint)> {
     let mut farthest = f64::INFINITY;
     let mut near = Vec::new();
     for (label, facet) in facets {
@@ -294,7 +294,7 @@ pub(super) fn closest_of<L, const D: usize>(
         near.push((label, facet, on_parts));
     }
     near.sort_by(|a, b| a.2.distance.total_cmp(&b.2.distance));
-    let mut best: Option<(L, CurvedFacet<D>, ClosestPoint)> = None;
+    let mut best: Option<(L, CurvedFacet<D>, CurvedPoint)> = None;
     for (label, facet, on_parts) in near {
         let bound = (on_parts.distance - on_parts.bulge).max(0.0).powi(2);
         if best.as_ref().is_some_and(|(_, _, known)| known.is_closer_than(bound)) {
@@ -310,7 +310,7 @@ pub(super) fn closest_of<L, const D: usize>(
 
 impl<const D: usize> CurvedFoot<D> {
     /// Computes the closest point and the derivatives.
-    pub(super) fn new(x: &Point<D>, facet: &CurvedFacet<D>, closest: &ClosestPoint) -> Self {
+    pub(super) fn new(x: &Point<D>, facet: &CurvedFacet<D>, closest: &CurvedPoint) -> Self {
         let (order, on) = (Order::Quadratic, Polynomial::new(facet, closest.face));
         let shape = order.shape(D - 1, &closest.at);
         let point = shape.at(&facet.0[..order.n_nodes(D - 1)]);

@@ -180,9 +180,9 @@ impl<const D: usize> DeformableObstacle<D> {
         if order == Order::Linear {
             return None;
         }
-        // The parts of an element follow each other.
-        let elements = candidates.chunk_by(|a, b| boundary.element_of(*a).0 == boundary.element_of(*b).0);
-        let curved = elements.map(|parts| (parts[0], CurvedFacet(boundary.at_nodes(parts[0], |node| at.at(node)))));
+        let curved = boundary
+            .by_element(candidates)
+            .map(|parts| (parts[0], CurvedFacet(boundary.at_nodes(parts[0], |node| at.at(node)))));
         let (facet, curved, closest) = closest_of(x, curved)?;
         let foot = CurvedFoot::new(x, &curved, &closest);
         let (part, inside) = order.part_at(D - 1, &closest.at);

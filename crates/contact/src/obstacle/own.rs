@@ -115,10 +115,8 @@ impl<const D: usize> Obstacle<D> for OwnSurface<D> {
             let boundary = &self.surface.boundary;
             let may_touch =
                 |&element: &usize| boundary.parts_of(element).all(|part| self.may_touch(facet, part, positions));
-            let mut elements: Vec<usize> = candidates.iter().map(|other| boundary.element_of(*other).0).collect();
-            elements.dedup();
-            *candidates =
-                elements.into_iter().filter(may_touch).flat_map(|element| boundary.parts_of(element)).collect();
+            let elements = boundary.by_element(candidates).map(|parts| boundary.element_of(parts[0]).0);
+            *candidates = elements.filter(may_touch).flat_map(|element| boundary.parts_of(element)).collect();
         }
         Some(found)
     }

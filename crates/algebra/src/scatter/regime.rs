@@ -1,11 +1,16 @@
 //! Hash of a non-smooth state.
 
+use rayon::prelude::*;
+
+use crate::Contributions;
+
+/// Smallest number of items that another thread takes.
+const ITEMS: usize = 8;
+
 /// Hash of a non-smooth state, such as the set of points in contact: the value of [`Contributions::regime`].
 ///
 /// The state is a sequence of numbers, which `extend` appends. Equal sequences have equal hashes. The algorithm is
 /// FNV-1a of Fowler, Noll and Vo, with numbers of 64 bits instead of bytes.
-///
-/// [`Contributions::regime`]: crate::Contributions::regime
 #[derive(Clone, Copy, Debug)]
 pub struct RegimeHash(u64);
 
@@ -27,6 +32,12 @@ impl Extend<u64> for RegimeHash {
     fn extend<I: IntoIterator<Item = u64>>(&mut self, numbers: I) {
         numbers.into_iter().for_each(|number| self.0 = (self.0 ^ number).wrapping_mul(0x0100_0000_01b3));
     }
+}
+
+/// Returns the sum of the hashes of all items, which does not depend on their order; see [`Contributions::regime`].
+pub fn regime_of(contributions: &(impl Contributions + ?Sized), x: &[f64]) -> u64 {
+    let of_item = |item| contributions.regime(item, x);
+    (0..contributions.len()).into_par_iter().with_min_len(ITEMS).map(of_item).reduce(|| 0, u64::wrapping_add)
 }
 
 #[cfg(test)]
