@@ -30,12 +30,11 @@ pub trait Contributions: Sync {
     }
 
     /// Returns a hash of the non-smooth state of an item at `x`, such as the set of its points in contact. It contains
-    /// the number of the item.
+    /// the number of the item. Contributions without such a state return `None` for all items.
     ///
-    /// When it changes, Newton's method renews the factorisation, and does not accept the iterate. The state of linear
-    /// contributions is not read.
-    fn regime(&self, _item: usize, _x: &[f64]) -> u64 {
-        0
+    /// When it changes, Newton's method renews the factorisation, and does not accept the iterate.
+    fn regime(&self, _item: usize, _x: &[f64]) -> Option<u64> {
+        None
     }
 
     /// Returns the name for timings and reports.

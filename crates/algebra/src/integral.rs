@@ -30,8 +30,8 @@ pub trait Sites: Sync {
     fn visit(&self, item: usize, x: &[f64], visit: impl FnMut(&Self::Site));
 
     /// Returns a hash of the non-smooth state of an item at `x`; see [`Contributions::regime`].
-    fn regime(&self, _item: usize, _x: &[f64]) -> u64 {
-        0
+    fn regime(&self, _item: usize, _x: &[f64]) -> Option<u64> {
+        None
     }
 }
 
@@ -77,7 +77,7 @@ impl<S: Sites> Contributions for Integral<'_, S> {
         self.is_linear
     }
 
-    fn regime(&self, item: usize, x: &[f64]) -> u64 {
+    fn regime(&self, item: usize, x: &[f64]) -> Option<u64> {
         self.sites.regime(item, x)
     }
 

@@ -39,8 +39,7 @@ pub struct Equations<'p> {
 impl Equations<'_> {
     /// Returns a hash of the non-smooth state at `x`; see [`Contributions::regime`].
     pub fn regime(&self, x: &[f64]) -> u64 {
-        let nonlinear = self.contributions.iter().filter(|terms| !terms.is_linear());
-        nonlinear.fold(0, |hash: u64, terms| hash.rotate_left(1) ^ regime_of(terms.as_ref(), x))
+        self.contributions.iter().fold(0, |hash, terms| hash.rotate_left(1) ^ regime_of(terms.as_ref(), x))
     }
 
     /// Returns the residual at `x` of the equations of prescribed and tied dofs and of the masters of tied ones: the
@@ -112,7 +111,7 @@ pub struct NewtonReport {
     pub correction_history: Vec<f64>,
     /// Sum of the residuals of the solution times the solution, over the dofs without constraints.
     pub residual_power: f64,
-    /// Wall-clock time of pattern and assembly, s.
+    /// Wall-clock time of pattern, assembly and regimes, s.
     pub seconds_assembly: f64,
     /// Share of the pattern in `seconds_assembly`.
     pub seconds_pattern: f64,
@@ -126,7 +125,7 @@ pub struct NewtonReport {
     pub solves: usize,
     /// Number of stored entries of the matrix.
     pub nnz: usize,
-    /// Times per contribution.
+    /// Times of the regimes and per contribution.
     pub timings: Vec<ContributionTiming>,
 }
 
@@ -250,6 +249,7 @@ pub fn newton(
         seconds_assembly: begin.elapsed().as_secs_f64(),
         seconds_pattern: work.system.seconds_pattern(),
         nnz: work.system.pattern().n_entries(),
+        timings: vec![ContributionTiming { name: "regime", ..ContributionTiming::default() }],
         ..NewtonReport::default()
     };
     let mut solve = Solve {
@@ -267,7 +267,7 @@ pub fn newton(
     };
     let outcome = if x.is_empty() { Ok(()) } else { solve.run(x) };
     let Solve { start, mut report, .. } = solve;
-    report.timings = work.system.timings().to_vec();
+    report.timings.extend_from_slice(work.system.timings());
     report.factorizations = work.solver.n_factorizations() - n_factorizations;
     report.fallbacks = work.solver.n_fallbacks() - n_fallbacks;
     let Err(stop) = outcome else { return Ok(report) };
@@ -324,7 +324,7 @@ struct Solve<'a> {
 impl Solve<'_> {
     fn run(&mut self, x: &mut [f64]) -> Result<(), Stop> {
         let tolerance = self.settings.tolerance;
-        let mut regime = self.equations.regime(x);
+        let mut regime = self.regime(x);
         let mut renew = true;
         let (mut n_growths, mut n_rises, mut is_searching) = (0, 0, false);
         self.assemble(x, true)?;
@@ -370,7 +370,7 @@ impl Solve<'_> {
             std::mem::swap(&mut self.previous, &mut self.correction);
 
             // The new state: its regime and residual decide whether it is accepted.
-            let old_regime = std::mem::replace(&mut regime, self.equations.regime(x));
+            let old_regime = std::mem::replace(&mut regime, self.regime(x));
             let regime_changed = regime != old_regime;
             renew |= regime_changed;
             let may_stop = error <= tolerance && !regime_changed;
@@ -395,6 +395,17 @@ impl Solve<'_> {
                 self.assemble(x, true)?;
             }
         }
+    }
+
+    /// Returns the hash of the non-smooth state at `x`.
+    fn regime(&mut self, x: &[f64]) -> u64 {
+        let begin = Instant::now();
+        let regime = self.equations.regime(x);
+        let seconds = begin.elapsed().as_secs_f64();
+        self.report.seconds_assembly += seconds;
+        self.report.timings[0].calls += 1;
+        self.report.timings[0].seconds += seconds;
+        regime
     }
 
     /// Evaluates the residual at `x`, and the matrix if requested.

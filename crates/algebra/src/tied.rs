@@ -110,7 +110,7 @@ impl Contributions for Tied<'_> {
         self.plain.is_linear()
     }
 
-    fn regime(&self, item: usize, x: &[f64]) -> u64 {
+    fn regime(&self, item: usize, x: &[f64]) -> Option<u64> {
         self.plain.regime(item, x)
     }
 

@@ -94,9 +94,8 @@ fn a_flow_converges_to_the_same_state_with_exact_and_modified_newton() {
     for (dof, value) in flow.constraints.iter() {
         assert_eq!(a[dof.index()], value);
     }
-    assert_eq!(first.timings.len(), 3);
-    assert_eq!(first.timings[0].calls, 1);
-    assert_eq!(first.timings[1].calls, first.iterations + 1);
+    let calls: Vec<_> = first.timings.iter().map(|timing| timing.calls).collect();
+    assert_eq!(calls, [first.iterations + 1, 1, first.iterations + 1, 1], "{first:?}");
 }
 
 #[test]

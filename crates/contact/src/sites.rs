@@ -445,11 +445,11 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
     }
 
     /// Returns the hash of the set of active points.
-    fn regime(&self, item: usize, x: &[f64]) -> u64 {
+    fn regime(&self, item: usize, x: &[f64]) -> Option<u64> {
         let mut hash = RegimeHash::default();
         hash.extend([item as u64]);
         self.each_point(item, x, |site| hash.extend([site.number as u64]));
-        hash.value()
+        Some(hash.value())
     }
 }
 

@@ -131,17 +131,16 @@ impl<'a, const D: usize> Sites for FluidCells<'a, D> {
         visit(&cell);
     }
 
-    /// Returns the hash of the vertices whose pressure is below the floor; 0 without a floor and outside of films.
-    fn regime(&self, item: usize, x: &[f64]) -> u64 {
-        let part = PartId(item as u32);
-        let (Some(floor), Some(_)) = (self.floor, self.geometry.films.and_then(|films| films.of(part))) else {
-            return 0;
-        };
-        let dofs = self.geometry.space.dofs(part).iter();
-        let below = dofs.filter(|dof| self.fields.pressure_at(x, **dof) < floor);
+    /// Returns the hash of the vertices of films whose pressure is below the floor; `None` without a floor.
+    fn regime(&self, item: usize, x: &[f64]) -> Option<u64> {
+        let (floor, films, part) = (self.floor?, self.geometry.films?, PartId(item as u32));
         let mut hash = RegimeHash::default();
         hash.extend([item as u64]);
-        hash.extend(below.map(|dof| u64::from(*dof)));
-        hash.value()
+        if films.of(part).is_some() {
+            let dofs = self.geometry.space.dofs(part).iter();
+            let below = dofs.filter(|dof| self.fields.pressure_at(x, **dof) < floor);
+            hash.extend(below.map(|dof| u64::from(*dof)));
+        }
+        Some(hash.value())
     }
 }

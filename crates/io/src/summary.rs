@@ -199,8 +199,9 @@ impl Summary {
     fn add_timings<const D: usize>(&mut self, report: &StepReport<D>, seconds_output: f64) {
         let (seconds, newton) = (&report.seconds, &report.newton);
         self.add_timing("cut", None, 1, seconds.cut);
-        self.add_timing("space", None, 1, seconds.space - seconds.transfer);
+        self.add_timing("space", None, 1, seconds.space - seconds.transfer - seconds.search);
         self.add_timing("transfer", None, 1, seconds.transfer);
+        self.add_timing("contact search", None, 1, seconds.search);
         self.add_timing("pattern", None, 1, newton.seconds_pattern);
         self.add_timing("assembly", None, newton.assemblies, seconds.assembly - newton.seconds_pattern);
         for timing in newton.timings.iter().filter(|timing| timing.calls > 0) {
@@ -208,6 +209,7 @@ impl Summary {
         }
         self.add_timing("factorisation", None, newton.factorizations, newton.seconds_factorization);
         self.add_timing("linear solve", None, newton.solves, seconds.linear - newton.seconds_factorization);
+        self.add_timing("report", None, 1, seconds.report);
         self.add_timing("output", None, 1, seconds_output);
     }
 

@@ -138,11 +138,9 @@ impl<const D: usize> ContactStep<D> {
         if motion <= room {
             return None;
         }
-        let obstacle = master.map_or(&[][..], |master| &master.start);
+        let starts = [&slave.start[..], master.map_or(&[][..], |master| &master.start)];
         // The gap of a body to itself is not known (`None`). It is taken as zero, so that the contact counts as missed.
-        let of_slave = |node| speed_of(slave, node);
-        let apart = contact.smallest_gap(slave.boundary, [&slave.start, obstacle], of_slave, master_speed);
-        let apart = apart.unwrap_or(0.0);
-        (apart <= motion + offset).then_some([motion, room])
+        let apart = contact.smallest_gap(slave.boundary, starts, |node| speed_of(slave, node), master_speed);
+        (apart.unwrap_or(0.0) <= motion + offset).then_some([motion, room])
     }
 }

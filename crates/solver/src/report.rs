@@ -1,5 +1,7 @@
 //! Reports of time steps.
 
+use std::time::Instant;
+
 use algebra::NewtonReport;
 use algebra::time::Weights;
 use body::{Balance, BodyState};
@@ -137,6 +139,7 @@ impl<const D: usize> Problem<'_, D> {
         ends: &[BodyState<D>],
         newton: NewtonReport,
     ) -> StepReport<D> {
+        let clock = Instant::now();
         let step = self.step;
         let reactions = self.equations.reactions(x);
         let products = step.fluid.as_ref().map(|fluid| fluid.products_at_end(&step.layout, x));
@@ -191,7 +194,8 @@ impl<const D: usize> Problem<'_, D> {
             }
         }
         add_forces(step, fluid.as_ref(), &contacts, &mut bodies);
-        let seconds = StepSeconds { assembly: newton.seconds_assembly, linear: newton.seconds_linear, ..step.seconds };
+        let [assembly, linear] = [newton.seconds_assembly, newton.seconds_linear];
+        let seconds = StepSeconds { assembly, linear, report: clock.elapsed().as_secs_f64(), ..step.seconds };
         StepReport {
             substep,
             failure: None,

@@ -11,8 +11,10 @@ pub struct StepSeconds {
     pub transfer: f64,
     /// Search for contacts, a part of `space`.
     pub search: f64,
-    /// Pattern and assembly.
+    /// Pattern and assembly, with the regimes of contacts and vapour.
     pub assembly: f64,
     /// Linear solver.
     pub linear: f64,
+    /// Report of the step.
+    pub report: f64,
 }

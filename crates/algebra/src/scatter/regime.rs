@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::Contributions;
 
 /// Smallest number of items that another thread takes.
-const ITEMS: usize = 8;
+const ITEMS: usize = 32;
 
 /// Hash of a non-smooth state, such as the set of points in contact: the value of [`Contributions::regime`].
 ///
@@ -34,9 +34,13 @@ impl Extend<u64> for RegimeHash {
     }
 }
 
-/// Returns the sum of the hashes of all items, which does not depend on their order; see [`Contributions::regime`].
+/// Returns the sum of the hashes of all items, which does not depend on their order; zero without a non-smooth state.
+/// See [`Contributions::regime`].
 pub fn regime_of(contributions: &(impl Contributions + ?Sized), x: &[f64]) -> u64 {
-    let of_item = |item| contributions.regime(item, x);
+    if contributions.is_empty() || contributions.regime(0, x).is_none() {
+        return 0;
+    }
+    let of_item = |item| contributions.regime(item, x).unwrap_or(0);
     (0..contributions.len()).into_par_iter().with_min_len(ITEMS).map(of_item).reduce(|| 0, u64::wrapping_add)
 }
 

@@ -116,13 +116,14 @@ fn timing(printed: &str, name: &str) -> (usize, f64) {
 fn timings_of_all_stages_and_contributions() {
     let directory = fresh("run", "timings");
     let printed = succeeded(&cutwater(&["run", "--out", &directory.display().to_string(), "--timings", "--quiet"]));
-    for stage in ["cut", "space", "transfer", "pattern"] {
+    for stage in ["cut", "space", "transfer", "contact search", "pattern", "report"] {
         assert_eq!(timing(&printed, stage).0, 3, "once per step: {printed}");
     }
     let (assemblies, assembly) = timing(&printed, "assembly");
     let iterations = timing(&printed, "linear solve").0;
     assert!(assemblies > iterations && iterations >= 3 && timing(&printed, "factorisation").0 >= 1, "{printed}");
     let contributions = [
+        ("regime", iterations + 3),
         ("fluid cells", 3),
         ("fluid convection", assemblies),
         ("fluid faces", 3),
