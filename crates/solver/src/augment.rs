@@ -25,7 +25,7 @@ impl<const D: usize> Step<'_, D> {
     /// # Errors
     /// Newton's method fails, or the multipliers still change after the largest number of solves.
     pub(crate) fn solve(&mut self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, Error> {
-        let mut report = self.first_solve(x, work)?;
+        let mut report = self.solve_from(x, true, work)?;
         let (first, multipliers, mut anderson) = (x.to_vec(), self.multipliers(), Anderson::new(DEPTH));
         let mut settled = self.settle(x, work, &mut anderson, &mut report);
         if settled.is_err() && anderson.is_accelerated() {
@@ -65,7 +65,7 @@ impl<const D: usize> Step<'_, D> {
                 _ => {}
             }
             let before = report.clone();
-            let mut solved = newton(&self.problem().equations, x, work, &self.setup.newton);
+            let mut solved = self.solve_from(x, false, work);
             *report = solved.as_mut().map_or_else(|error| error.report_mut().clone(), |last| last.clone());
             report.add_work(&before);
             solved.map_err(|mut error| {
@@ -76,28 +76,27 @@ impl<const D: usize> Step<'_, D> {
         }
     }
 
-    /// Solves the step from the guess `x` with the multipliers of its start. Without inertia it first begins with
-    /// bodies at rest, where contact held them: the motion of the step before may carry a body out of contact, where
-    /// the matrix is singular.
-    fn first_solve(&self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, NewtonError> {
+    /// Solves the step by Newton's method from the guess `x`. Without inertia, bodies at rest are another guess, with
+    /// which `is_first` solves begin and which others use if the first one fails: contact may hold bodies at one guess
+    /// and not at the other, where the matrix is singular. The motion of the step before may carry a body out of
+    /// contact, contact may end at the places of the start, and smaller multipliers open it at a distance above the
+    /// offset.
+    fn solve_from(&self, x: &mut [f64], is_first: bool, work: &mut Workspace) -> Result<NewtonReport, NewtonError> {
         let (equations, settings) = (&self.problem().equations, &self.setup.newton);
-        let mut from_rest = self.guess_at_rest();
-        if self.time.weights.has_inertia() || from_rest == x {
+        let mut other = self.guess_at_rest();
+        if self.time.weights.has_inertia() || other == x {
             return newton(equations, x, work, settings);
         }
-        match newton(equations, &mut from_rest, work, settings) {
-            Ok(report) => {
-                x.copy_from_slice(&from_rest);
-                Ok(report)
-            }
-            // Contact may have ended at the places of the start, and hold bodies that move on.
-            Err(mut at_rest) => {
-                let mut solved = newton(equations, x, work, settings);
-                let report = solved.as_mut().unwrap_or_else(|error| error.report_mut());
-                report.add_work(at_rest.report_mut());
-                solved
-            }
+        if is_first {
+            x.swap_with_slice(&mut other);
         }
+        newton(equations, x, work, settings).or_else(|mut failed| {
+            x.swap_with_slice(&mut other);
+            let mut solved = newton(equations, x, work, settings);
+            let report = solved.as_mut().unwrap_or_else(|error| error.report_mut());
+            report.add_work(failed.report_mut());
+            solved
+        })
     }
 
     /// Solves a step with a collision to a smaller tolerance: the weight of a collision amplifies errors of velocities,

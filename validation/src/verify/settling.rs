@@ -98,7 +98,7 @@ impl Observer<2> for SettlingHistory {
         self.n_contacts = self.n_contacts.max(report.contacts.iter().filter(|contact| contact.is_active()).count());
         let StepSeconds { cut, space, search, assembly, linear, .. } = report.seconds;
         self.seconds += cut + space + assembly + linear;
-        let timings = report.newton.timings.iter().filter(|timing| timing.name == "contact");
+        let timings = report.newton.timings.iter().filter(|timing| ["contact", "regime"].contains(&timing.name));
         self.seconds_of_contact += search + timings.map(|timing| timing.seconds).sum::<f64>();
         let forces = report.bodies.iter().filter_map(|body| body.forces.as_ref());
         let remainders = forces.map(|forces| forces.remainder().norm() / forces.body_force.norm());

@@ -47,8 +47,8 @@ impl Contributions for Part<'_> {
     fn is_linear(&self) -> bool {
         self.is_linear
     }
-    fn regime(&self, _item: usize, x: &[f64]) -> Option<u64> {
-        Some((self.regime)(x))
+    fn regime(&self, item: usize, x: &[f64]) -> Option<u64> {
+        Some((self.regime)(x).wrapping_add(item as u64))
     }
     fn name(&self) -> &'static str {
         self.name

@@ -32,13 +32,15 @@ pub(super) struct CurvedPoint {
     face: usize,
 }
 
-/// Closest point of the linear parts of a facet, which is near that of the facet.
+/// Closest point of the linear parts of a facet. Newton's method starts there.
 struct OnParts {
     /// Barycentric coordinates in the facet.
     at: Barycentric,
     distance: f64,
     /// Upper bound of the distance between the facet and its parts.
     bulge: f64,
+    /// Length of the first edge.
+    size: f64,
 }
 
 /// Closest point `Π(x)` of the facet of a quadratic element to a point `x`, with derivatives.
@@ -67,7 +69,8 @@ pub(super) struct CurvedFoot<const D: usize> {
 }
 
 /// Facet, edge or vertex as a polynomial `x_b + Σ a_k λ_k + Σ b_kl λ_k λ_l / 2` in the barycentric coordinates of the
-/// vertices that span it. The coordinate of the vertex `b` is left out, those of other vertices are zero.
+/// vertices that span it. The coordinate of the vertex `b` is one minus the others. Those of vertices that do not span
+/// it are zero.
 struct Polynomial<const D: usize> {
     face: usize,
     base: usize,
@@ -79,10 +82,18 @@ struct Polynomial<const D: usize> {
     bending: [Tensor<D>; 3],
 }
 
+impl OnParts {
+    /// Returns a lower bound of the distance to the facet, with round-off taken as zero.
+    fn bound(&self) -> f64 {
+        let bound = self.distance - self.bulge;
+        if bound > TOUCHING.sqrt() * self.size { bound } else { 0.0 }
+    }
+}
+
 impl CurvedPoint {
     /// Returns whether a point at the given squared distance is farther away, by more than round-off.
     fn is_closer_than(&self, squared_distance: f64) -> bool {
-        squared_distance > self.squared_distance * (1.0 + TIE)
+        squared_distance > self.squared_distance * (1.0 + TIE) + TOUCHING * self.squared_size
     }
 
     /// Returns whether this point is closer, or equally close and on a feature of higher dimension.
@@ -162,9 +173,10 @@ impl<const D: usize> Polynomial<D> {
         moved
     }
 
-    /// Computes the coordinates of the point closest to `x` and its squared distance, by Newton's method from the
-    /// point with the given coordinates in the facet, or the point of the edge closest to it. Returns `None` if it
-    /// lies outside, or the iteration does not converge.
+    /// Computes the coordinates of the point closest to `x` and its squared distance by Newton's method. It starts at
+    /// the point with the given coordinates in the facet. On an edge, the coordinates that span it grow by equal shares
+    /// of the others. Returns `None` if the closest point lies outside, if the tangents there are linearly dependent,
+    /// or if the iteration does not converge.
     fn closest(&self, x: &Point<D>, start: &Barycentric) -> Option<(Barycentric, f64)> {
         let spans = |k: &usize| self.face & (1 << k) != 0;
         let missing = (0..D).filter(|k| !spans(k)).map(|k| start[k]).sum::<f64>() / f64::from(self.face.count_ones());
@@ -178,7 +190,8 @@ impl<const D: usize> Polynomial<D> {
             if is_converged {
                 // Where the distance is no minimum, there is no factor.
                 let is_inside = (0..D).filter(spans).all(|k| at[k] >= -INSIDE);
-                return (is_inside && factor.is_some()).then(|| (at, r.norm_squared()));
+                let is_regular = factor.is_some() && g.try_inverse().is_some();
+                return (is_inside && is_regular).then(|| (at, r.norm_squared()));
             }
             let downhill = t.transpose() * r;
             let mut step = match factor {
@@ -210,13 +223,14 @@ impl<const D: usize> CurvedFacet<D> {
             let mean: Point<D> = self.0[..D].iter().zip(Order::Quadratic.node(D - 1, k)).map(|(x, l)| x * l).sum();
             if k < D { self.0[k] } else { self.0[k] * 2.0 - mean }
         };
-        Aabb::of_points((0..n_nodes).map(control).collect::<Vec<_>>().iter())
+        let points: [Point<D>; MAX_FACET_NODES] = std::array::from_fn(|k| control(k.min(n_nodes - 1)));
+        Aabb::of_points(&points)
     }
 
     /// Returns an upper bound of the distance between a facet or edge and its linear parts, given its local vertices.
     ///
     /// On a part with barycentric coordinates `μ_i`, the difference is `-Σ_(i<j) μ_i μ_j d_ij / 2` with
-    /// `d_ij = x_i + x_j - 2 m_ij`, and the sum of all `μ_i μ_j` is at most `(n - 1)/(2 n)` for `n` vertices.
+    /// `d_ij = x_i + x_j - 2 m_ij`, and the sum of `μ_i μ_j` over `i < j` is at most `(n - 1)/(2 n)` for `n` vertices.
     fn bulge(&self, face: usize) -> f64 {
         let spans = |k: usize| face & (1 << k) != 0;
         let edges = (0..D).flat_map(|j| (0..j).map(move |i| (i, j))).filter(|&(i, j)| spans(i) && spans(j));
@@ -240,7 +254,12 @@ impl<const D: usize> CurvedFacet<D> {
                 (best.0, best.2) = (part, foot.squared_distance);
             }
         }
-        OnParts { at: order.in_part(D - 1, best.0, &best.1), distance: best.2.sqrt(), bulge: self.bulge((1 << D) - 1) }
+        OnParts {
+            at: order.in_part(D - 1, best.0, &best.1),
+            distance: best.2.sqrt(),
+            bulge: self.bulge((1 << D) - 1),
+            size: (self.0[1] - self.0[0]).norm(),
+        }
     }
 
     /// Returns the squared distance to the closest of the two linear parts of an edge, given its local vertices.
@@ -277,8 +296,8 @@ impl<const D: usize> CurvedFacet<D> {
 
 /// Finds the closest point of some facets, and its facet, which has a label; `None` without facets.
 ///
-/// The facets are visited in the order of the distances of their linear parts. Those whose parts are too far away are
-/// left out.
+/// The facets are visited in the order of lower bounds of their distances: those that may touch in the order in which
+/// they are given, so that round-off does not choose among equals. Those that are too far away are left out.
 pub(super) fn closest_of<L, const D: usize>(
     x: &Point<D>,
     facets: impl Iterator<Item = (L, CurvedFacet<D>)>,
@@ -293,11 +312,10 @@ pub(super) fn closest_of<L, const D: usize>(
         farthest = farthest.min((on_parts.distance + on_parts.bulge).powi(2));
         near.push((label, facet, on_parts));
     }
-    near.sort_by(|a, b| a.2.distance.total_cmp(&b.2.distance));
+    near.sort_by(|a, b| a.2.bound().total_cmp(&b.2.bound()));
     let mut best: Option<(L, CurvedFacet<D>, CurvedPoint)> = None;
     for (label, facet, on_parts) in near {
-        let bound = (on_parts.distance - on_parts.bulge).max(0.0).powi(2);
-        if best.as_ref().is_some_and(|(_, _, known)| known.is_closer_than(bound)) {
+        if best.as_ref().is_some_and(|(_, _, known)| known.is_closer_than(on_parts.bound().powi(2))) {
             continue;
         }
         let found = facet.closest(x, &on_parts);
@@ -317,7 +335,7 @@ impl<const D: usize> CurvedFoot<D> {
         let t = on.tangents(&closest.at);
         let g = on.first_form(&t);
         let a = g - on.by_bending(&(x - point));
-        // The facet and its edges are not degenerate, and the distance is a minimum there.
+        // The tangents are linearly independent at the closest point, and the distance is a minimum.
         let [inverse_g, inverse] = [g, a].map(|form| form.try_inverse().unwrap_or_else(Tensor::identity));
         let to_gradient = t * inverse;
         // Derivatives of a shape function while coordinate k grows and that of the base falls.
@@ -405,5 +423,47 @@ mod tests {
         let foot = CurvedFoot::new(&x, &facet, &closest);
         assert!((closest.squared_distance.sqrt() - 0.75_f64.sqrt()).abs() < 1e-2, "{foot:?}");
         assert!(foot.point[0] > 0.0 && foot.normal.is_some());
+    }
+
+    #[test]
+    fn steps_that_lead_away_are_halved() {
+        let mut nodes = [Point::<3>::zeros(); MAX_FACET_NODES];
+        nodes[0] = Point::<3>::new(0.03508091628439738, 0.14695507486125173, -0.19070483661929383);
+        nodes[1] = Point::<3>::new(1.049913849483829, 0.08725885635649733, -0.022624688910626214);
+        nodes[2] = Point::<3>::new(-0.04093796875934688, 1.163314700842897, -0.030164160468425873);
+        nodes[3] = Point::<3>::new(0.635000902437355, 0.19056216819912072, -0.10045557962651284);
+        nodes[4] = Point::<3>::new(0.15984906197101775, 0.35002902596836494, -0.06611062041111992);
+        nodes[5] = Point::<3>::new(0.3961637573007246, 0.6795366079526346, -0.13189758630848153);
+        let x = Point::<3>::new(0.7249846960675914, 0.24398280930369676, -0.44721330851746793);
+        let facet = CurvedFacet(nodes);
+        // Found by a search over many points.
+        let distance = facet.closest(&x, &facet.on_parts(&x)).squared_distance.sqrt();
+        assert!((distance - 0.3585).abs() < 1e-4, "{distance}");
+    }
+
+    #[test]
+    fn a_facet_folded_onto_itself_has_no_normal_where_it_turns() {
+        for middle in [0.8, 0.9, 1.1, 1.25, 2.0] {
+            let mut nodes = [Point::<2>::zeros(); MAX_FACET_NODES];
+            (nodes[1][0], nodes[2][0]) = (1.0, middle);
+            let (x, facet) = (Point::<2>::new(4.0, 0.0), CurvedFacet(nodes));
+            let foot = CurvedFoot::new(&x, &facet, &facet.closest(&x, &facet.on_parts(&x)));
+            assert!(foot.normal.is_none() && foot.point.iter().all(|x| x.is_finite()), "{foot:?}");
+        }
+    }
+
+    #[test]
+    fn round_off_does_not_choose_between_facets_with_a_common_vertex() {
+        let mut random = SplitMix64::seed_from_u64(4);
+        for bulge in [0.0, 0.05] {
+            let mut nodes = [[Point::<2>::zeros(); MAX_FACET_NODES]; 2];
+            (nodes[0][0], nodes[0][2]) = (Point::<2>::new(-1.0, -0.3), Point::<2>::new(-0.5, -0.15 + bulge));
+            (nodes[1][1], nodes[1][2]) = (Point::<2>::new(1.1, -0.4), Point::<2>::new(0.55, -0.2 + bulge));
+            for noise in [0.0, 1e-17, 1e-16, 1e-15, 1e-14] {
+                let x = Point::<2>::from_fn(|_, _| noise * random.random_range(-1.0..1.0));
+                let found = closest_of(&x, nodes.map(CurvedFacet).into_iter().enumerate()).expect("two facets");
+                assert!(found.0 == 0 && found.2.squared_distance < 1e-27, "{noise}: {found:?}");
+            }
+        }
     }
 }

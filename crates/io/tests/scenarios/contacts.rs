@@ -349,6 +349,24 @@ vtk_every = 0
     let nitsche = r#"{ kind = "nitsche", friction = 0.5 }"#;
     let rigid = text.replace(material, r#"motion = { kind = "free", held = ["x", "rotation"] }"#);
     forces(&rigid.replace(nitsche, r#"{ kind = "augmented-lagrangian", gamma_contact_0 = 1e4 }"#));
+    // The multipliers of the first solve, 1e-6 times the parameter, are larger than the pressure under a light block.
+    let top = r#"
+[[body]]
+name    = "top"
+shape   = { kind = "box", min = [0.2, 0.6], max = [0.8, 1.1], n = [4, 2] }
+motion  = { kind = "free", held = ["x", "rotation"] }
+density = 1e-6
+gravity = [0.0, -10.0]
+
+[[contact]]
+pair   = ["top", "block"]
+law    = { kind = "augmented-lagrangian", gamma_contact_0 = 1e6 }
+size   = 0.01
+offset = 0.05
+
+[[contact]]"#;
+    let two = rigid.replace(nitsche, r#"{ kind = "augmented-lagrangian", gamma_contact_0 = 1e6 }"#);
+    forces(&two.replace("offset   = 0.1", "offset   = 0.05").replace("\n[contact]", top));
     // A floor that recedes ever faster. Contact holds the block up to 2.5e-4 above the offset.
     let floor = r#"
 [[body]]
