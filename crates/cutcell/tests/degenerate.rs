@@ -190,20 +190,15 @@ fn facets_much_smaller_than_the_round_off_of_their_coordinates() {
 }
 
 #[test]
-fn a_needle_with_an_edge_that_is_almost_a_point() {
-    let corners = [[1e-9, 2.0, 0.25], [0.25, 0.25, 0.25], [0.0, 1e-18, 0.0], [0.0, 0.0, 0.0]];
-    let body = TestBody::simplex(corners.map(Point::<3>::from).to_vec());
-    check(&grid(), &[&body], None);
-}
-
-#[test]
-fn a_tetrahedron_that_sticks_out_by_almost_nothing() {
-    let near = 8.0 / 12.0 - 1e-11;
-    let third = 4.0 / 12.0;
-    let corners =
-        [[7.0 / 12.0, 1.0 / 12.0, 10.0 / 12.0], [8.0 / 12.0, near, 0.0], [-1e-9, 0.0, near], [third, third, third]];
-    let body = TestBody::simplex(corners.map(Point::<3>::from).to_vec());
-    check(&grid(), &[&body], None);
+fn tetrahedra_that_almost_have_a_point_as_edge_or_stick_out_by_almost_nothing() {
+    let [near, third, twelfth] = [8.0 / 12.0 - 1e-11, 4.0 / 12.0, 1.0 / 12.0];
+    for corners in [
+        [[1e-9, 2.0, 0.25], [0.25, 0.25, 0.25], [0.0, 1e-18, 0.0], [0.0, 0.0, 0.0]],
+        [[7.0 / 12.0, twelfth, 10.0 / 12.0], [8.0 / 12.0, near, 0.0], [-1e-9, 0.0, near], [third, third, third]],
+    ] {
+        let body = TestBody::simplex(corners.map(Point::<3>::from).to_vec());
+        check(&grid(), &[&body], None);
+    }
 }
 
 /// Returns the unit cube with an additional vertex on an upper edge that belongs to the facets on one side only, and a

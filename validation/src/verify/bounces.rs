@@ -237,11 +237,22 @@ pub(super) fn legendre(number: f64) -> f64 {
     (-35.0 / number).exp()
 }
 
-/// Returns a table of inputs: quantity, value and source of each.
-pub(super) fn inputs(rows: &[[&str; 3]]) -> TextTable {
+/// Returns a table of inputs: quantity, value and source of each. The values are those of radius, densities, viscosity
+/// and speed; all experiments have the others.
+pub(super) fn inputs([radius, densities, viscosity, speed]: [&str; 4]) -> TextTable {
+    let rows = [
+        ["radius of the sphere", radius, "experiment"],
+        ["densities", densities, "experiment"],
+        ["viscosity", viscosity, "experiment"],
+        ["speed of the approach", speed, "experiment; prescribed until the gap to the floor is 1.8 radii"],
+        ["restitution in air", "0.97", "experiment, 0.95 to 0.98 with other spheres of steel"],
+        ["roughness", "1e-4 radii", "order of magnitude that the authors state; that of this sphere is not known"],
+        ["vapour", "1 bar below the pressure of the surroundings", "a tank at atmospheric pressure; not measured"],
+        ["tank", "radius 10 radii, height 26 radii, open top", "not known; chosen"],
+    ];
     TextTable {
         head: ["input", "value", "source"].map(str::to_owned).to_vec(),
-        rows: rows.iter().map(|row| row.map(str::to_owned).to_vec()).collect(),
+        rows: rows.map(|row| row.map(str::to_owned).to_vec()).to_vec(),
     }
 }
 

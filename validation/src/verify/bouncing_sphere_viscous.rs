@@ -21,16 +21,8 @@ const BAND: [f64; 2] = [1.2e-3, 2.6e-3];
 /// 2006 have 0.27, the first frames of this experiment 0.44. The bounds are for coarse cells.
 const RESTITUTION: [f64; 2] = [0.1, 0.6];
 const MEASURED: &str = include_str!("../../reference/gondret/St27.csv");
-const INPUTS: [[&str; 3]; 8] = [
-    ["radius of the sphere", "3 mm", "experiment"],
-    ["densities", "7800 and 965 kg/m³", "experiment"],
-    ["viscosity", "0.100 Pa s", "experiment"],
-    ["speed of the approach", "0.518 m/s", "experiment; prescribed until the gap to the floor is 1.8 radii"],
-    ["restitution in air", "0.97", "experiment, 0.95 to 0.98 with other spheres of steel"],
-    ["roughness", "1e-4 radii", "order of magnitude that the authors state; that of this sphere is not known"],
-    ["vapour", "1 bar below the pressure of the surroundings", "a tank at atmospheric pressure; not measured"],
-    ["tank", "radius 10 radii, height 26 radii, open top", "not known; chosen"],
-];
+/// Radius, densities, viscosity and speed of the approach.
+const INPUTS: [&str; 4] = ["3 mm", "7800 and 965 kg/m³", "0.100 Pa s", "0.518 m/s"];
 
 /// Returns the changes that make the example this experiment. Lengths are twice as large, steps are equal in radii over
 /// the speed.
@@ -121,7 +113,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         curves.push((name.to_owned(), from_contact(&bounce, contact - 0.004)));
     }
     record.figure("Gap over the time from the first contact [m]", "time [s]", curves);
-    record.tables.push(inputs(&INPUTS));
+    record.tables.push(inputs(INPUTS));
     record.note(
         "This height cannot be predicted without the roughness of the sphere and the pressure at which the oil forms vapour: compare the rows. Nothing is fitted. The surfaces do not yield to the \
          pressure of the film, which at this Stokes number lowers the speed of the rebound: a model of the film has 0.435 of the speed of the approach with rigid surfaces and 0.341 with elastic ones.",

@@ -20,43 +20,20 @@ struct Experiment {
 }
 
 const CASES: [Experiment; 4] = [
-    Experiment {
-        name: "E1",
-        density: 970.0,
-        viscosity: 0.373,
-        infinite: 0.03829,
-        largest: 0.0363,
-        bound: 0.025,
-        speeds: include_str!("../../reference/ten-cate/E1.csv"),
-    },
-    Experiment {
-        name: "E2",
-        density: 965.0,
-        viscosity: 0.212,
-        infinite: 0.05992,
-        largest: 0.0571,
-        bound: 0.03,
-        speeds: include_str!("../../reference/ten-cate/E2.csv"),
-    },
-    Experiment {
-        name: "E3",
-        density: 962.0,
-        viscosity: 0.113,
-        infinite: 0.09062,
-        largest: 0.0869,
-        bound: 0.025,
-        speeds: include_str!("../../reference/ten-cate/E3.csv"),
-    },
-    Experiment {
-        name: "E4",
-        density: 960.0,
-        viscosity: 0.058,
-        infinite: 0.12839,
-        largest: 0.1226,
-        bound: 0.025,
-        speeds: include_str!("../../reference/ten-cate/E4.csv"),
-    },
+    experiment("E1", [970.0, 0.373, 0.03829, 0.0363, 0.025], include_str!("../../reference/ten-cate/E1.csv")),
+    experiment("E2", [965.0, 0.212, 0.05992, 0.0571, 0.03], include_str!("../../reference/ten-cate/E2.csv")),
+    experiment("E3", [962.0, 0.113, 0.09062, 0.0869, 0.025], include_str!("../../reference/ten-cate/E3.csv")),
+    experiment("E4", [960.0, 0.058, 0.12839, 0.1226, 0.025], include_str!("../../reference/ten-cate/E4.csv")),
 ];
+
+/// Returns a case from its numbers in the order of the fields.
+const fn experiment(
+    name: &'static str,
+    [density, viscosity, infinite, largest, bound]: [f64; 5],
+    speeds: &'static str,
+) -> Experiment {
+    Experiment { name, density, viscosity, infinite, largest, bound, speeds }
+}
 
 // Radius of the sphere, m, and acceleration of gravity, m/s².
 const RADIUS: f64 = 7.5e-3;

@@ -50,22 +50,30 @@ fn run(name: &str, sets: &[&str]) -> String {
     directory
 }
 
+/// Compares results. Checks the exit code, and returns what is printed on the output and as errors.
+fn compared(arguments: &[&str], code: i32) -> [String; 2] {
+    let output = cutwater(&[&["compare"], arguments].concat());
+    let printed = [&output.stdout, &output.stderr].map(|bytes| text(bytes).to_owned());
+    assert_eq!(output.status.code(), Some(code), "{printed:?}");
+    printed
+}
+
+/// Returns the numbers of a column in a printed comparison, without its unit.
+fn numbers<'p>(printed: &'p str, column: &str) -> Vec<&'p str> {
+    let line = printed.lines().find(|line| line.split(' ').next() == Some(column)).expect("the column");
+    line.split_whitespace().skip(1).filter(|word| !word.starts_with('[')).collect()
+}
+
 #[test]
 fn runs_are_compared_column_by_column() {
     let [first, same, other] = [run("first", &[]), run("same", &[]), run("other", &["body.0.gravity=[0, -11]"])];
-    let output = cutwater(&["compare", &first, &same, "--tolerance", "0"]);
-    succeeded(&output);
-    assert!(text(&output.stdout).contains(" columns are equal, 0 differ"), "{}", text(&output.stdout));
-    let output = cutwater(&["compare", &first, &other, "--tolerance", "0.05"]);
-    assert_eq!(output.status.code(), Some(1));
-    let printed = text(&output.stdout);
+    let [printed, _] = compared(&[&first, &same, "--tolerance", "0"], 0);
+    assert!(printed.contains(" columns are equal, 0 differ"), "{printed}");
+    let [printed, errors] = compared(&[&first, &other, "--tolerance", "0.05"], 1);
     // After 0.1 s the speed is 1.0 m/s with a gravity of 10 m/s², and 1.1 m/s with 11 m/s².
-    let line = printed.lines().find(|line| line.starts_with("centre_velocity ")).expect("the velocity");
-    assert_eq!(line.split_whitespace().collect::<Vec<_>>()[1..], ["[m/s]", "1.000e-1", "1.100e0", "9.091e-2"]);
-    assert!(
-        printed.contains("corner_velocity_y [m/s]") && text(&output.stderr).contains("the tolerance is 5e-2"),
-        "{printed}"
-    );
+    assert_eq!(numbers(&printed, "centre_velocity"), ["1.000e-1", "1.100e0", "9.091e-2"]);
+    assert!(printed.contains("centre_velocity [m/s]") && printed.contains("corner_velocity_y [m/s]"), "{printed}");
+    assert!(errors.contains("the tolerance is 5e-2"), "{errors}");
 }
 
 #[test]
@@ -79,25 +87,19 @@ fn losses_of_energy_are_compared_with_the_energies() {
     };
     tables(&first, "1e-14", "3", ["", "", ""]);
     tables(&second, "2e-14", "5", [" [s]", " [m]", " [J/m]"]);
-    let output = cutwater(&["compare", &second, &first, "--tolerance", "1e-12"]);
-    let printed = text(&output.stdout);
-    assert!(output.status.success() && printed.contains("lost_open_boundary [J/m] "), "{printed}");
+    let [printed, _] = compared(&[&second, &first, "--tolerance", "1e-12"], 0);
+    assert!(printed.contains("lost_open_boundary [J/m] "), "{printed}");
     assert!(!printed.contains("newton") && printed.contains("3 columns are equal, 1 differ"), "{printed}");
-    let output = cutwater(&["compare", &first, &second, "--tolerance", "1e-12"]);
-    let printed = text(&output.stdout);
-    assert_eq!(output.status.code(), Some(0), "{printed}");
-    let line = printed.lines().find(|line| line.starts_with("lost_open_boundary ")).expect("the loss");
-    assert_eq!(line.split_whitespace().collect::<Vec<_>>()[1..], ["1.000e-14", "4.000e0", "2.500e-15"]);
+    let [printed, _] = compared(&[&first, &second, "--tolerance", "1e-12"], 0);
+    assert_eq!(numbers(&printed, "lost_open_boundary"), ["1.000e-14", "4.000e0", "2.500e-15"]);
     // Counts of work are compared on request only.
     assert!(!printed.contains("newton") && printed.contains("3 columns are equal, 1 differ"), "{printed}");
-    let output = cutwater(&["compare", &first, &second, "--tolerance", "0.1", "--column", "newton"]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(text(&output.stdout).contains("0 columns are equal, 1 differ"), "{}", text(&output.stdout));
-    let output = cutwater(&["compare", &first, &second, "--column", "centre_y"]);
-    assert!(text(&output.stdout).contains("1 columns are equal, 0 differ"), "{}", text(&output.stdout));
-    let output = cutwater(&["compare", &first, &second, "--column", "centre_z"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("has no column `centre_z`; did you mean `centre_y`?"));
+    let [printed, _] = compared(&[&first, &second, "--tolerance", "0.1", "--column", "newton"], 1);
+    assert!(printed.contains("0 columns are equal, 1 differ"), "{printed}");
+    let [printed, _] = compared(&[&first, &second, "--column", "centre_y"], 0);
+    assert!(printed.contains("1 columns are equal, 0 differ"), "{printed}");
+    let [_, errors] = compared(&[&first, &second, "--column", "centre_z"], 2);
+    assert!(errors.contains("has no column `centre_z`; did you mean `centre_y`?"), "{errors}");
 }
 
 #[test]
@@ -109,11 +111,9 @@ fn remainders_and_components_are_compared_with_the_forces_and_vectors() {
         write(directory, "history.csv", format!("{head}\n0.1,-5,{remainder},90,{remainder},4\n"));
     }
     let [first, second] = directories.map(|(_, directory)| directory);
-    let printed = text(&cutwater(&["compare", &first, &second]).stdout);
-    let line = printed.lines().find(|line| line.starts_with("a_force_remainder ")).expect("the remainder");
-    assert_eq!(line.split_whitespace().collect::<Vec<_>>()[2..], ["2.000e-14", "5.000e0", "4.000e-15"]);
-    let line = printed.lines().find(|line| line.starts_with("centre_x ")).expect("the component");
-    assert_eq!(line.split_whitespace().collect::<Vec<_>>()[2..], ["2.000e-14", "4.000e0", "5.000e-15"]);
+    let [printed, _] = compared(&[&first, &second], 0);
+    assert_eq!(numbers(&printed, "a_force_remainder"), ["2.000e-14", "5.000e0", "4.000e-15"]);
+    assert_eq!(numbers(&printed, "centre_x"), ["2.000e-14", "4.000e0", "5.000e-15"]);
 }
 
 #[test]
@@ -130,11 +130,10 @@ fn columns_are_plotted() {
 #[test]
 fn a_resumed_run_is_compared_with_a_whole_one() {
     let (short, whole) = (run("short", &["time.end=0.05"]), run("whole", &[]));
-    let output = cutwater(&["compare", &short, &whole, "--tolerance", "1e-12"]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(text(&output.stdout).contains("compared until 5e-2: the runs end at 5e-2 and 1e-1"));
-    assert!(text(&output.stderr).contains("they must end at the same time"), "{}", text(&output.stderr));
-    assert_eq!(cutwater(&["compare", &short, &whole]).status.code(), Some(0));
+    let [printed, errors] = compared(&[&short, &whole, "--tolerance", "1e-12"], 1);
+    assert!(printed.contains("compared until 5e-2: the runs end at 5e-2 and 1e-1"), "{printed}");
+    assert!(errors.contains("they must end at the same time"), "{errors}");
+    compared(&[&short, &whole], 0);
     // An invalid change leaves the run as it is.
     for change in ["output.probes.corner.at=[1, 1]", "output.probes={}"] {
         let output = cutwater(&["resume", &short, "--set", change, "--set", "time.end=0.1", "--quiet"]);
@@ -143,8 +142,7 @@ fn a_resumed_run_is_compared_with_a_whole_one() {
     }
     let output = cutwater(&["resume", &short, "--set", "time.end=0.1", "--quiet"]);
     succeeded(&output);
-    let output = cutwater(&["compare", &short, &whole, "--tolerance", "1e-12"]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
+    compared(&[&short, &whole, "--tolerance", "1e-12"], 0);
 }
 
 #[test]

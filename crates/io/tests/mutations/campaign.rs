@@ -9,8 +9,6 @@ use std::time::{Duration, Instant};
 
 use crate::mutate::{Random, mutated};
 
-/// Number of inputs of a short run.
-const INPUTS: u64 = 1000;
 /// Longest time of an input in a short run, when other tests share the machine, and in a long one.
 const TIMES: [Duration; 2] = [Duration::from_secs(60), Duration::from_secs(5)];
 /// Largest memory of the program, pages of 4 KiB.
@@ -31,8 +29,8 @@ fn number(name: &str) -> Option<f64> {
 }
 
 /// Runs a parser on mutations of its seeds, and checks that it returns for every one of them. The parser returns
-/// whether it accepts an input.
-pub(crate) fn campaign(name: &'static str, seeds: Vec<Vec<u8>>, parser: impl Fn(&[u8]) -> bool) {
+/// whether it accepts an input. `inputs` is the number of inputs of a short run.
+pub(crate) fn campaign(name: &'static str, inputs: u64, seeds: Vec<Vec<u8>>, parser: impl Fn(&[u8]) -> bool) {
     let minutes = number("MUTATION_MINUTES");
     let seed = number("MUTATION_SEED").unwrap_or(1.0) as u64;
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("mutations");
@@ -55,7 +53,7 @@ pub(crate) fn campaign(name: &'static str, seeds: Vec<Vec<u8>>, parser: impl Fn(
     let (mut accepted, mut slowest) = (0_u64, Duration::ZERO);
     let mut failures: BTreeMap<String, (u64, PathBuf)> = BTreeMap::new();
     let mut k = 0;
-    while minutes.map_or(k < INPUTS, |minutes| begin.elapsed().as_secs_f64() < 60.0 * minutes) {
+    while minutes.map_or(k < inputs, |minutes| begin.elapsed().as_secs_f64() < 60.0 * minutes) {
         let input = mutated(&seeds, &mut Random::new(seed, k));
         let clock = Instant::now();
         *present.lock().unwrap_or_else(PoisonError::into_inner) = Some((k, input.clone(), clock));

@@ -14,30 +14,30 @@ use campaign::campaign;
 
 #[test]
 fn scenario() {
-    campaign("scenario", parsers::scenario_seeds(), parsers::scenario);
+    campaign("scenario", 1000, parsers::scenario_seeds(), parsers::scenario);
 }
 
 #[test]
 fn formula() {
-    campaign("formula", parsers::formula_seeds(), parsers::formula);
+    campaign("formula", 1000, parsers::formula_seeds(), parsers::formula);
 }
 
 #[test]
 fn gmsh() {
-    campaign("gmsh", parsers::gmsh_seeds(), parsers::gmsh);
+    campaign("gmsh", 15_000, parsers::gmsh_seeds(), parsers::gmsh);
 }
 
 #[test]
 fn stl() {
-    campaign("stl", parsers::stl_seeds(), |bytes| parsers::surface("stl", bytes));
+    campaign("stl", 1000, parsers::stl_seeds(), |bytes| parsers::surface("stl", bytes));
 }
 
 #[test]
 fn obj() {
-    campaign("obj", parsers::obj_seeds(), |bytes| parsers::surface("obj", bytes));
+    campaign("obj", 1000, parsers::obj_seeds(), |bytes| parsers::surface("obj", bytes));
 }
 
 #[test]
 fn checkpoint() {
-    campaign("checkpoint", parsers::checkpoint_seeds(), parsers::checkpoint);
+    campaign("checkpoint", 1000, parsers::checkpoint_seeds(), parsers::checkpoint);
 }

@@ -17,6 +17,9 @@ const SET: &str = "#set ";
 const BOX: &str = include_str!("seeds/box.toml");
 const SPACE: &str = include_str!("seeds/space.toml");
 const DRY: &str = include_str!("seeds/dry.toml");
+/// Two triangles as Gmsh writes them in blocks of version 4.1 and in the list of version 2.2.
+const BLOCKS: &str = include_str!("../scenarios/gmsh-files/two-triangles-41.msh");
+const LIST: &str = include_str!("../scenarios/gmsh-files/two-triangles-22.msh");
 
 /// Returns the path of a file of this process.
 fn path(name: &str) -> PathBuf {
@@ -92,7 +95,7 @@ pub(crate) fn formula(bytes: &[u8]) -> bool {
 }
 
 pub(crate) fn gmsh_seeds() -> Vec<Vec<u8>> {
-    let mut seeds = Vec::new();
+    let mut seeds = [BLOCKS, LIST].map(|text| text.as_bytes().to_vec()).to_vec();
     for version in [GmshVersion::V22, GmshVersion::V41] {
         for is_binary in [false, true] {
             let format = GmshFormat { version, is_binary };
@@ -124,10 +127,19 @@ fn gmsh_file<const D: usize>(order: usize, format: GmshFormat) -> Vec<u8> {
 pub(crate) fn gmsh(bytes: &[u8]) -> bool {
     let Ok(file) = GmshFile::parse(bytes) else { return false };
     let is_surface = [file.surface::<2>().is_ok(), file.surface::<3>().is_ok()].contains(&true);
-    let is_mesh = [file.mesh::<2>().is_ok(), file.mesh::<3>().is_ok()].contains(&true);
+    let is_mesh = [is_sound_mesh::<2>(&file), is_sound_mesh::<3>(&file)].contains(&true);
     let statistics = MeshFile::read(&written("mutated.msh", bytes)).map(|mesh| mesh.statistics());
     assert!(statistics.is_err() || is_surface || is_mesh);
     statistics.is_ok()
+}
+
+/// Returns whether a file is a mesh, and checks that its cells then have positive volumes.
+fn is_sound_mesh<const D: usize>(file: &GmshFile) -> bool {
+    file.mesh::<D>().is_ok_and(|found| {
+        let volumes = found.mesh.cells().map(|cell| found.mesh.cell_volume(cell));
+        assert!(volumes.into_iter().all(|volume| volume.is_finite() && volume > 0.0));
+        true
+    })
 }
 
 /// Returns the triangles of a ball.

@@ -90,10 +90,8 @@ fn roles_and_contacts_that_act_at_once_are_described() {
     let near = BODIES.replace("centre = [1.0, 0.3]", "centre = [1.0, 0.102]");
     let near = lines(&format!("{near}[contact]\n{LAW}pair = [\"floor\", \"stone\"]\n"));
     let warning = near.iter().find(|line| line.starts_with("warning")).expect("a warning");
-    for words in ["smallest gap of stone to floor is", "e-3 m", "below the offset 0.005 m", "acts from the first step"]
-    {
-        assert!(warning.contains(words), "{words}: {warning}");
-    }
+    let words = ["smallest gap of stone to floor is", "e-3 m", "below the offset 0.005 m", "acts from the first step"];
+    check_words(warning, &words);
     let plane = "body = \"soft\"\nobstacle = { kind = \"rigid-plane\", point = [0, 0.198], normal = [0, -1] }";
     let plane = lines(&format!("{BODIES}[contact]\n{LAW}{plane}\n"));
     assert!(plane.iter().any(|line| line.contains("soft to its obstacle at rest")), "{plane:#?}");
@@ -216,92 +214,53 @@ fn the_slave_of_a_law_with_stress_is_elastic() {
 /// A free block put on a slope holds still at the offset by its friction, and slides if the friction is small.
 #[test]
 fn a_free_block_sticks_to_a_slope_or_slides() {
-    let text = r#"
-name      = "slope"
-dimension = 2
-units     = "si"
-
-[time]
-step = 0.01
-end  = 0.2
-
-[[body]]
-name    = "block"
-shape   = { kind = "box", min = [0.0, 0.001], max = [2.0, 0.501], n = [2, 1] }
-motion  = { kind = "free" }
-density = 1000.0
-gravity = [5.0, -8.660254037844386]
-
-[[contact]]
-body     = "block"
-law      = { kind = "augmented-lagrangian", gamma_contact_0 = 1e9, friction = 0.7 }
-size     = 0.1
-offset   = 0.001
-obstacle = { kind = "rigid-plane", point = [0.0, 0.0], normal = [0.0, -1.0] }
-
-[output]
-vtk_every = 0
-"#;
-    let last = |friction: &str, column_name: &str| {
-        let directory = fresh_directory(&format!("slope-{friction}"));
-        let set = format!("contact.0.law.friction={friction}");
-        results(&legal(text, &[&[set.as_str()]]), &directory);
-        *column(&directory, column_name).last().expect("steps")
+    let text = BOUNCING.replace(BOUNCING_MATERIAL, "motion = { kind = \"free\" }");
+    let slope = [
+        "time={ step = 0.01, end = 0.2 }",
+        "body.0.shape={ kind = \"box\", min = [0.0, 0.001], max = [2.0, 0.501], n = [2, 1] }",
+        "body.0.gravity=[5.0, -8.660254037844386]",
+        "body.0.initial_velocity=[0.0, 0.0]",
+        "contact.0.law={ kind = \"augmented-lagrangian\", gamma_contact_0 = 1e9, friction = 0.7 }",
+        "contact.0.offset=0.001",
+        "output.vtk_every=0",
+    ];
+    let last = |sets: &[&str], name: &str| {
+        let directory = fresh_directory("slope");
+        results(&legal(&text, &[&slope, sets]), &directory);
+        *column(&directory, name).last().expect("steps")
     };
     let exact = 0.2 * (5.0 - 0.3 * 8.660254037844386);
-    assert!((last("0.3", "centre_velocity_x") - exact).abs() < 1e-5);
-    assert!(last("0.7", "centre_velocity_x").abs() < 1e-5);
-    assert!((last("0.7", "d_min") - 0.001).abs() < 1e-6);
+    let small = "contact.0.law.friction=0.3";
+    assert!((last(&[small], "centre_velocity_x") - exact).abs() < 1e-5);
+    assert!(last(&[], "centre_velocity_x").abs() < 1e-5);
+    assert!((last(&[], "d_min") - 0.001).abs() < 1e-6);
     // The limit of friction of a light block is not lost in the tolerance of the distance.
-    let light = legal(
-        &text.replace("density = 1000.0", "density = 1.0"),
-        &[&["contact.0.law.friction=0.3", "contact.0.law.gamma_contact_0=1e6", "contact.0.law.tolerance=1e-5"]],
-    );
-    let directory = fresh_directory("slope-light");
-    results(&light, &directory);
-    let velocity = *column(&directory, "centre_velocity_x").last().expect("steps");
+    let light = ["body.0.density=1", small, "contact.0.law.gamma_contact_0=1e6", "contact.0.law.tolerance=1e-5"];
+    let velocity = last(&light, "centre_velocity_x");
     assert!((velocity - exact).abs() < 1e-4, "{velocity}");
-    refused(text, &[&["contact.0.law.tolerance=0"]], &["contact.0.law.tolerance", "must be positive"]);
+    refused(&text, &[&slope, &["contact.0.law.tolerance=0"]], &["contact.0.law.tolerance", "must be positive"]);
 }
 
 /// The force of a collision is the rate of the momentum minus the other forces, also with a solver that iterates.
 #[test]
 fn the_force_of_a_collision_is_that_of_the_balance() {
-    let text = r#"
-name        = "collision"
-dimension   = 2
-units       = "si"
-coordinates = "axisymmetric"
-time        = { step = 0.004, end = 0.032, scheme = "implicit-euler" }
-fluid       = { density = 1.0, viscosity = 0.05, body_force = [0.0, -10.0] }
-
-[background]
-kind     = "graded-box"
-min      = [0.0, 0.0]
-max      = [0.5, 1.0]
-size     = 0.09
-boundary = { left = "symmetry", right = "no-slip", bottom = "no-slip", top = "free" }
-
-[[body]]
-name             = "ball"
-shape            = { kind = "half-ball", centre = [0.0, 0.25], radius = 0.22, size = 0.08 }
-density          = 4.0
-gravity          = [0.0, -10.0]
-initial_velocity = [0.0, -1.0]
-motion           = "free"
-
+    let contact = r#"
 [contact]
 body     = "ball"
 obstacle = { kind = "wall", parts = ["bottom"] }
 law      = { kind = "collision", restitution = 0.7 }
-size     = 0.02
-offset   = 0.02
-
-[output]
-vtk_every = 0
+size     = 0.05
+offset   = 0.05
 "#;
-    let directory = fresh_directory("collision");
-    results(&legal(text, &[]), &directory);
+    let sets = [
+        "time={ step = 0.004, end = 0.032, scheme = \"implicit-euler\" }",
+        "fluid.body_force=[0.0, -100.0]",
+        "body.0.shape.centre=[0.0, 0.57]",
+        "body.0.initial_velocity=[0.0, -3.0]",
+        "output.vtk_every=0",
+    ];
+    let directory = fresh_directory("collision-in-fluid");
+    results(&legal(&format!("{SPHERE}{contact}"), &[&sets]), &directory);
     let tables = RunTables::read(&directory).expect("tables");
     let column = |name: &str| tables.column(name).expect("a column").into_iter().map(|(_, value)| value);
     let largest = column("contact_force").fold(0.0, f64::max);
@@ -312,43 +271,28 @@ vtk_every = 0
 /// Equilibrium is found again although the motion of the step before would continue out of contact.
 #[test]
 fn a_block_rests_by_contact_alone_in_every_quasi_static_step() {
-    let text = r#"
-name      = "rest"
-dimension = 2
-units     = "si"
-time      = { step = 1.0, end = 4.0, scheme = "quasi-static" }
-
-[[body]]
-name     = "block"
-shape    = { kind = "box", min = [0.0, 0.05], max = [1.0, 0.55], n = [4, 2] }
-material = { kind = "linear", young = 1e3, poisson = 0.0 }
-density  = 2.0
-gravity  = [0.0, -10.0]
-
-[contact]
-body     = "block"
-obstacle = { kind = "rigid-plane", point = [0.0, 0.0], normal = [0.0, -1.0] }
-law      = { kind = "nitsche", friction = 0.5 }
-size     = 0.01
-offset   = 0.1
-
-[output]
-vtk_every = 0
-"#;
-    let forces = |text: &str| {
+    let rest = [
+        "time={ step = 1.0, end = 4.0, scheme = \"quasi-static\" }",
+        "body.0.density=2",
+        "contact.0.size=0.01",
+        "contact.0.offset=0.1",
+        "output.vtk_every=0",
+    ];
+    let low = ["body.0.shape.min=[0.0, 0.05]", "body.0.shape.max=[1.0, 0.55]"];
+    let forces = |text: &str, place: &[&str], law: &str| {
         let directory = fresh_directory("rest");
-        results(&legal(text, &[]), &directory);
+        results(&legal(text, &[&rest, place, &[&format!("contact.0.law={{ kind = {law} }}")]]), &directory);
         let tables = RunTables::read(&directory).expect("tables");
         let forces =
             ["contact_force", "block_contact_force"].iter().find_map(|name| tables.column(name)).expect("a column");
         assert_eq!(forces.len(), 4);
         forces.iter().for_each(|(time, force)| assert!((force - 10.0).abs() < 1e-4, "{time}: {force}"));
     };
-    forces(text);
-    let material = r#"material = { kind = "linear", young = 1e3, poisson = 0.0 }"#;
-    let nitsche = r#"{ kind = "nitsche", friction = 0.5 }"#;
-    let rigid = text.replace(material, r#"motion = { kind = "free", held = ["x", "rotation"] }"#);
-    forces(&rigid.replace(nitsche, r#"{ kind = "augmented-lagrangian", gamma_contact_0 = 1e4 }"#));
+    let (text, nitsche) = (BOUNCING.replace("initial_velocity = [0.0, -1.0]\n", ""), "\"nitsche\", friction = 0.5");
+    let elastic = text.replace(BOUNCING_MATERIAL, "material = { kind = \"linear\", young = 1e3, poisson = 0.0 }");
+    forces(&elastic, &low, nitsche);
+    let rigid = text.replace(BOUNCING_MATERIAL, "motion = { kind = \"free\", held = [\"x\", \"rotation\"] }");
+    forces(&rigid, &low, "\"augmented-lagrangian\", gamma_contact_0 = 1e4");
     // The multipliers of the first solve, 1e-6 times the parameter, are larger than the pressure under a light block.
     let top = r#"
 [[body]]
@@ -363,10 +307,9 @@ pair   = ["top", "block"]
 law    = { kind = "augmented-lagrangian", gamma_contact_0 = 1e6 }
 size   = 0.01
 offset = 0.05
-
-[[contact]]"#;
-    let two = rigid.replace(nitsche, r#"{ kind = "augmented-lagrangian", gamma_contact_0 = 1e6 }"#);
-    forces(&two.replace("offset   = 0.1", "offset   = 0.05").replace("\n[contact]", top));
+"#;
+    let exactly = [low[0], low[1], "contact.0.offset=0.05"];
+    forces(&format!("{rigid}{top}"), &exactly, "\"augmented-lagrangian\", gamma_contact_0 = 1e6");
     // A floor that recedes ever faster. Contact holds the block up to 2.5e-4 above the offset.
     let floor = r#"
 [[body]]
@@ -374,11 +317,9 @@ name   = "floor"
 shape  = { kind = "box", min = [-1.0, -0.5], max = [2.0, 0.0], n = [6, 1] }
 motion = { kind = "formula", displacement = ["0", "-1e-4*t*(t-1)"] }
 
-[contact]"#;
-    let sinking = text
-        .replace("[contact]", floor)
-        .replace("min = [0.0, 0.05]", "min = [0.0, 0.0999]")
-        .replace("0.55]", "0.5999]");
-    let plane = "body     = \"block\"\nobstacle = { kind = \"rigid-plane\", point = [0.0, 0.0], normal = [0.0, -1.0] }";
-    forces(&sinking.replace(plane, "pair = [\"block\", \"floor\"]"));
+[[contact]]
+pair     = ["block", "floor"]"#;
+    let plane = "obstacle = { kind = \"rigid-plane\", point = [0.0, 0.0], normal = [0.0, -1.0] }\n";
+    let sinking = elastic.replace("[[contact]]\nbody     = \"block\"", floor).replace(plane, "");
+    forces(&sinking, &["body.0.shape.min=[0.0, 0.0999]", "body.0.shape.max=[1.0, 0.5999]"], nitsche);
 }

@@ -205,27 +205,8 @@ fn surfaces_are_bodies_that_do_not_deform() {
 
 #[test]
 fn surfaces_whose_parts_overlap_are_refused() {
-    let text = r#"
-name       = "cubes"
-dimension  = 3
-units      = "si"
-time       = { step = 0.05, end = 0.2 }
-fluid      = { density = 1.0, viscosity = 0.5 }
-
-[background]
-kind     = "graded-box"
-min      = [-1, -1, -1]
-max      = [3, 3, 3]
-size     = 1.0
-boundary = { left = "no-slip", right = "no-slip", front = "no-slip", back = "no-slip", bottom = "no-slip", top = "free" }
-
-[[body]]
-name    = "cubes"
-shape   = { kind = "mesh", file = "FILE" }
-motion  = { kind = "free" }
-density = 2.0
-gravity = [0, 0, -10]
-"#;
+    let shape = CUBE.lines().find(|line| line.starts_with("shape")).expect("a shape");
+    let sets = ["background.min=[-1, -1, -1]", "background.max=[3, 3, 3]", "background.size=1.0"];
     let cubes = |file: &str, shift: f64| {
         let (mut points, mut faces) = (String::new(), String::new());
         for (k, shift) in [0.0, shift].into_iter().enumerate() {
@@ -238,11 +219,12 @@ gravity = [0, 0, -10]
             }
         }
         write(file, points + &faces);
-        read(&text.replace("FILE", file))
+        let text = CUBE.replace(shape, &format!("shape = {{ kind = \"mesh\", file = \"{file}\" }}"));
+        parse_at(&in_folder("case.toml"), &text, &[&sets])
     };
     cubes("apart.obj", 1.1).and_then(|file| io::sizes(&file)).unwrap_or_else(|e| panic!("{e}"));
     let refused = mistake(cubes("overlapping.obj", 0.4)).to_string();
-    check_words(&refused, &["body.0", "the surface of body `cubes` encloses 1.008", "but covers 7.9", "unite them"]);
+    check_words(&refused, &["body.0", "the surface of body `cube` encloses 1.008", "but covers 7.9", "unite them"]);
 }
 
 /// A fluid without its background.

@@ -12,6 +12,86 @@ pub(crate) const CHANNEL: &str = include_str!("../../../../examples/oscillating-
 /// An elastic ball that falls on a virtual barrier.
 pub(crate) const BARRIER: &str = include_str!("../../../../validation/cases/virtual-barrier.toml");
 
+/// A cube that falls in a closed box of fluid, one and a half times as dense.
+pub(crate) const CUBE: &str = include_str!("../../../../examples/falling-cube.toml");
+
+/// The line of [`CUBE`] that makes it free.
+pub(crate) const FREE_CUBE: &str = "motion  = { kind = \"free\" }";
+
+/// A plane below the cube; contact begins 3 cm below the place of the cube.
+pub(crate) const FLOOR: &str = r#"
+[[contact]]
+body     = "cube"
+law      = { kind = "penalty", gamma_contact_0 = 100.0 }
+size     = 0.1
+offset   = 0.05
+obstacle = { kind = "rigid-plane", point = [0.0, 0.0, 0.45], normal = [0.0, 0.0, -1.0] }
+"#;
+
+/// A free ball on the axis of a closed cylinder of fluid.
+pub(crate) const SPHERE: &str = r#"
+name        = "sphere"
+dimension   = 2
+units       = "cgs"
+coordinates = "axisymmetric"
+time        = { step = 0.01, end = 0.05 }
+
+[fluid]
+density   = 1.0
+viscosity = 0.5
+
+[background]
+kind     = "graded-box"
+min      = [0.0, 0.0]
+max      = [2.0, 3.0]
+size     = 0.15
+boundary = { left = "symmetry", right = "no-slip", top = "free", bottom = "no-slip" }
+
+[[body]]
+name    = "ball"
+shape   = { kind = "half-ball", centre = [0.0, 1.5], radius = 0.5, size = 0.1 }
+density = 2.0
+gravity = [0.0, -100.0]
+motion  = { kind = "free" }
+"#;
+
+/// An elastic block that falls on a plane and bounces.
+pub(crate) const BOUNCING: &str = r#"
+name      = "dry-block"
+dimension = 2
+units     = "si"
+
+[time]
+step = 1.0e-3
+end  = 0.06
+
+[[body]]
+name             = "block"
+shape            = { kind = "box", min = [0.0, 0.01], max = [1.0, 0.51], n = [4, 2] }
+material         = { kind = "saint-venant-kirchhoff", mu = 4.0e5, lambda = 1.6e6 }
+density          = 1000.0
+gravity          = [0.0, -10.0]
+initial_velocity = [0.0, -1.0]
+
+[[contact]]
+body     = "block"
+law      = { kind = "penalty", gamma_contact_0 = 1.0e6 }
+size     = 0.1
+offset   = 0.005
+obstacle = { kind = "rigid-plane", point = [0.0, 0.0], normal = [0.0, -1.0] }
+
+[output]
+vtk_every = 20
+
+[solver]
+newton = { tolerance = 1.0e-10, max_iterations = 30 }
+linear = { kind = "direct" }
+"#;
+
+/// The line of [`BOUNCING`] that makes it elastic.
+pub(crate) const BOUNCING_MATERIAL: &str =
+    r#"material         = { kind = "saint-venant-kirchhoff", mu = 4.0e5, lambda = 1.6e6 }"#;
+
 pub(crate) fn parse_at(path: &Path, text: &str, sets: &[&[&str]]) -> Result<ScenarioFile, Error> {
     let sets: Vec<String> = sets.concat().into_iter().map(str::to_owned).collect();
     ScenarioFile::parse(path, text, &sets)

@@ -3,25 +3,10 @@
 use crate::setting::*;
 use io::ScenarioFile;
 
-/// A cube falls in a closed box of fluid, one and a half times as dense.
-const EXAMPLE: &str = include_str!("../../../../examples/falling-cube.toml");
-
 /// Returns the example with a coarser mesh.
 fn case() -> String {
-    EXAMPLE.replacen("size = 0.1 ", "size = 0.3 ", 1)
+    CUBE.replacen("size = 0.1 ", "size = 0.3 ", 1)
 }
-
-/// A plane below the cube; contact begins 3 cm below the place of the cube.
-const FLOOR: &str = r#"
-[[contact]]
-body     = "cube"
-law      = { kind = "penalty", gamma_contact_0 = 100.0 }
-size     = 0.1
-offset   = 0.05
-obstacle = { kind = "rigid-plane", point = [0.0, 0.0, 0.45], normal = [0.0, 0.0, -1.0] }
-"#;
-
-const FREE: &str = "motion  = { kind = \"free\" }";
 
 #[test]
 fn a_free_cube_falls_with_the_force_that_is_reported() {
@@ -74,7 +59,7 @@ fn an_elastic_cube_is_compressed_by_its_weight() {
     let elastic = "material = { kind = \"saint-venant-kirchhoff\", young = 1.0e4, poisson = 0.3 }\n\
                    boundary = { top = \"clamped\", left = \"symmetry\" }";
     let directory = fresh_directory("elastic");
-    results(&legal(&case().replace(FREE, elastic), &[&["time.end=0.04", "output.vtk_every=2"]]), &directory);
+    results(&legal(&case().replace(FREE_CUBE, elastic), &[&["time.end=0.04", "output.vtk_every=2"]]), &directory);
     let energy = column(&directory, "energy_elastic");
     assert!(energy.iter().all(|e| *e > 0.0), "{energy:?}");
     let height = column(&directory, "centre_z");

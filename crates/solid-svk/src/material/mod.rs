@@ -109,6 +109,23 @@ impl LameParameters {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kinematics::cauchy_stress;
+
+    fn plane_strain_is_the_plane_state_in_3d<M: Material<2> + Material<3>>(material: M, tolerance: f64) {
+        let f = Tensor::<2>::new(1.1, 0.2, -0.1, 0.95);
+        let mut f3 = Tensor::<3>::identity();
+        f3.fixed_view_mut::<2, 2>(0, 0).copy_from(&f);
+        let sigma = cauchy_stress(&f3, &material.first_piola(&f3));
+        assert!((sigma[(2, 2)] - material.out_of_plane_stress(&f)).abs() < 1e-9);
+        assert!((sigma.fixed_view::<2, 2>(0, 0) - cauchy_stress(&f, &material.first_piola(&f))).norm() < tolerance);
+    }
+
+    #[test]
+    fn plane_strain_is_the_plane_state_in_3d_of_every_material() {
+        let lame = LameParameters::new(2e6, 8e6).unwrap();
+        plane_strain_is_the_plane_state_in_3d(NeoHookean::new(lame), 1e-8);
+        plane_strain_is_the_plane_state_in_3d(SaintVenantKirchhoff::new(lame), 1e-9);
+    }
 
     #[test]
     fn the_moduli_of_the_paper() {

@@ -236,38 +236,42 @@ fn pressurised_cube_of_order(mesh: &SolidMesh<3>) {
     assert!(largest(&r) < 1e-14 * 2.8e7, "{:e}", largest(&r));
 }
 
+/// Solves for a displacement that is given on the boundary but for the top, where its traction is.
+fn loaded_on_top<const D: usize>(
+    mesh: &SolidMesh<D>,
+    form: &SolidForm<D>,
+    material: LinearElastic,
+    exact: impl Fn(&Point<D>) -> Vector<D> + Send + Sync + 'static,
+    gradient: impl Fn(&Point<D>) -> Tensor<D> + Send + Sync + 'static,
+) -> Vec<Vector<D>> {
+    let body = Fixture::new(mesh);
+    let loaded = tagged_facets(mesh, "top").unwrap();
+    let up = mesh.placed(mesh.nodes()).facet_normal(loaded[0]);
+    let traction = move |x: &Point<D>, _| material.first_piola(&(Tensor::identity() + gradient(x))) * up;
+    let term = Traction { traction: Arc::new(traction) };
+    let sites = SolidFacets { cells: body.cells(), facets: &loaded, time: 0.0 };
+    let load = Integral::linear("traction", sites, vec![&term]);
+    let prescribed = move |x: &Point<D>, _| -> [Option<f64>; D] { exact(x).map(Some).into() };
+    let nodes = mesh.boundary().vertices_of(&facets_without_tags(mesh, &["top"]).unwrap());
+    assert!(nodes.len() < mesh.nodes().len());
+    let mut constraints = Constraints::new();
+    body.hold(nodes, SupportKind::Displacement(Arc::new(prescribed)), &mut constraints);
+    let (work, force) = (form.internal_work(body.cells()), form.inertia_and_body_force(body.cells()));
+    let all: Vec<Box<dyn Contributions>> = vec![Box::new(work), Box::new(force), Box::new(load)];
+    let mut x = vec![0.0; body.layout.len()];
+    solve(&body.layout, all, constraints, &mut x, 1e-12);
+    body.displacement(&x)
+}
+
 /// Checks that a linear material finds a quadratic displacement with its body force and, on one side, its traction.
 fn quadratic_displacement_is_exact<const D: usize>(mesh: &SolidMesh<D>) {
     let lame = ball_material().lame;
     let (field, material) = (Arc::new(quadratic_field::<D>()), LinearElastic::new(lame));
     let form = SolidForm::new(2.0, material, field.divergence_of_stress(&lame) * -0.5).unwrap();
-    let body = Fixture::new(mesh);
-    let loaded = tagged_facets(mesh, "top").unwrap();
-    let held: Vec<_> = mesh.boundary().facets().filter(|facet| !loaded.contains(facet)).collect();
-    let mut constraints = Constraints::new();
-    let prescribed = {
-        let field = Arc::clone(&field);
-        move |x: &Point<D>, _| -> [Option<f64>; D] { std::array::from_fn(|a| Some(field.at(x)[a])) }
-    };
-    let nodes = mesh.boundary().vertices_of(&held);
-    let n_held = nodes.len();
-    body.hold(nodes, SupportKind::Displacement(Arc::new(prescribed)), &mut constraints);
-    assert!(n_held < mesh.nodes().len());
-    let up = mesh.placed(mesh.nodes()).facet_normal(loaded[0]);
-    let of_field = Arc::clone(&field);
-    let traction = move |x: &Point<D>, _| material.first_piola(&(Tensor::identity() + of_field.gradient(x))) * up;
-    let term = Traction { traction: Arc::new(traction) };
-    let sites = SolidFacets { cells: body.cells(), facets: &loaded, time: 0.0 };
-    let load = Integral::linear("traction", sites, vec![&term]);
-    let mut x = vec![0.0; body.layout.len()];
-    let all: Vec<Box<dyn Contributions>> = vec![
-        Box::new(form.internal_work(body.cells())),
-        Box::new(form.inertia_and_body_force(body.cells())),
-        Box::new(load),
-    ];
-    solve(&body.layout, all, constraints, &mut x, 1e-12);
     let expected: Vec<_> = mesh.nodes().iter().map(|x| field.at(x)).collect();
-    let error = largest_difference(&body.displacement(&x), &expected);
+    let of_field = Arc::clone(&field);
+    let found = loaded_on_top(mesh, &form, material, move |x| field.at(x), move |x| of_field.gradient(x));
+    let error = largest_difference(&found, &expected);
     assert!(error < 1e-12, "{error:e}");
 }
 
@@ -294,21 +298,7 @@ fn error_of_smooth_solution<const D: usize>(order: Order, n: usize) -> f64 {
     };
     let mesh = distorted::<D>(n, order);
     let form = SolidForm::new(1.0, material, Vector::zeros()).unwrap();
-    let body = Fixture::new(&mesh);
-    let loaded = tagged_facets(&mesh, "top").unwrap();
-    let up = mesh.placed(mesh.nodes()).facet_normal(loaded[0]);
-    let traction = move |x: &Point<D>, _| material.first_piola(&(Tensor::identity() + gradient(x))) * up;
-    let term = Traction { traction: Arc::new(traction) };
-    let load =
-        Integral::linear("traction", SolidFacets { cells: body.cells(), facets: &loaded, time: 0.0 }, vec![&term]);
-    let held = facets_without_tags(&mesh, &["top"]).unwrap();
-    let prescribed = move |x: &Point<D>, _| -> [Option<f64>; D] { std::array::from_fn(|a| Some(exact(x)[a])) };
-    let mut constraints = Constraints::new();
-    body.hold(mesh.boundary().vertices_of(&held), SupportKind::Displacement(Arc::new(prescribed)), &mut constraints);
-    let mut x = vec![0.0; body.layout.len()];
-    let work = form.internal_work(body.cells());
-    solve(&body.layout, vec![Box::new(work), Box::new(load)], constraints, &mut x, 1e-12);
-    let found = body.displacement(&x);
+    let found = loaded_on_top(&mesh, &form, material, exact, gradient);
     let (rule, mut sum) = (SimplexRule::of_degree(D, 4), 0.0);
     for cell in mesh.mesh().cells() {
         let (simplex, nodes) = (mesh.mesh().simplex(cell), mesh.cell(cell));
