@@ -19,6 +19,10 @@ const MAX_GROWTHS: usize = 5;
 /// Source: the watchdog technique of Chamberlain, Powell, Lemarechal, Pedersen 1982, doi:10.1007/BFb0120945.
 const MAX_RISES: usize = 5;
 
+/// Size of a correction relative to the tolerance below which a change of the regime does not count. The correction
+/// after such a change is at most this one times the ratio of the stiffnesses in the two regimes.
+const AT_LIMIT: f64 = 1e-4;
+
 /// Largest accepted ratio `θ` of a correction with an old factorisation to the previous correction. For a larger ratio
 /// the estimated error, `θ/(1-θ)` times the correction, exceeds the correction, and the correction is discarded. A
 /// larger [`NewtonSettings::contraction`] replaces this value, up to 1.
@@ -163,8 +167,8 @@ pub enum NewtonError {
     #[error("Newton diverged after {} iterations: corrections or residuals grew", .report.iterations)]
     Diverged { report: Box<NewtonReport> },
     /// The limit of iterations was reached.
-    #[error("Newton did not converge in {} iterations (relative residual {:e})",
-        .report.iterations, last_residual(.report))]
+    #[error("Newton did not converge in {} iterations (relative residual {:e}{})", .report.iterations,
+        last_residual(.report), if *.regime_changed { ", points in contact or vapour still change" } else { "" })]
     NotConverged {
         /// Whether the last correction changed the regime.
         regime_changed: bool,
@@ -221,7 +225,9 @@ fn last_residual(report: &NewtonReport) -> f64 {
 ///   the linear solver reached. For the first correction, which has no θ, the estimate is `‖C⁻¹ dx‖`. If every
 ///   contribution is linear, it is `η ‖C⁻¹ dx‖`,
 /// - the new residual satisfies `‖R r‖ ≤ tolerance · s`,
-/// - the correction did not change the regime.
+/// - the correction did not change the regime, or is at most 1e-4 times this tolerance. Tractions of contact and fluxes
+///   with vapour are continuous at the limits of their regimes. Where points are at these limits, round-off changes the
+///   regime in every iteration.
 ///
 /// On error `x` is the starting guess with the constraints applied.
 ///
@@ -373,7 +379,8 @@ impl Solve<'_> {
             let old_regime = std::mem::replace(&mut regime, self.regime(x));
             let regime_changed = regime != old_regime;
             renew |= regime_changed;
-            let may_stop = error <= tolerance && !regime_changed;
+            let has_settled = !regime_changed || correction <= AT_LIMIT * tolerance;
+            let may_stop = error <= tolerance && has_settled;
             self.assemble(x, renew && !may_stop)?;
             let residual = self.system.row_norm();
             if let Some(last) = &mut self.last_solve {

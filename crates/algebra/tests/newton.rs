@@ -2,6 +2,7 @@
 
 mod common;
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
 use algebra::{
@@ -169,6 +170,16 @@ fn a_change_of_regime_renews_the_factorisation_and_forbids_to_stop() {
     let settings = NewtonSettings { max_iterations: 4, max_halvings: 0, ..NewtonSettings::new(10.0) };
     let error = newton(&drifting, &mut [0.0], &mut Workspace::new(), &settings).unwrap_err();
     assert!(matches!(error, NewtonError::NotConverged { regime_changed: true, .. }), "{error:?}");
+}
+
+#[test]
+fn a_regime_that_round_off_changes_does_not_prevent_convergence() {
+    static N_CALLS: AtomicU64 = AtomicU64::new(0);
+    let mut flickering = scalar(cubic);
+    flickering.regime = |_| N_CALLS.fetch_add(1, Ordering::Relaxed);
+    let mut x = [2.2];
+    let report = newton(&flickering, &mut x, &mut Workspace::new(), &exact(1e-8)).unwrap();
+    assert!((x[0] - 2.0).abs() < 1e-14 && *report.correction_history.last().unwrap() < 1e-12, "{report:?}");
 }
 
 #[test]
