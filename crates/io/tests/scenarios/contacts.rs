@@ -323,3 +323,34 @@ pair     = ["block", "floor"]"#;
     let sinking = elastic.replace("[[contact]]\nbody     = \"block\"", floor).replace(plane, "");
     forces(&sinking, &["body.0.shape.min=[0.0, 0.0999]", "body.0.shape.max=[1.0, 0.5999]"], nitsche);
 }
+
+/// At the rim, points of the upright sides are at the limit of contact, and change by round-off in every iteration.
+#[test]
+fn a_block_in_space_is_pressed_evenly_in_few_iterations() {
+    let text = r#"
+name      = "pressed"
+dimension = 3
+units     = "si"
+time      = { step = 0.5, end = 1.0, scheme = "quasi-static" }
+
+[[body]]
+name     = "block"
+shape    = { kind = "box", min = [0.0, 0.0, 0.01], max = [1.0, 1.0, 1.01], n = [3, 3, 2] }
+material = { kind = "linear", young = 1e3, poisson = 0.0 }
+density  = 1.0
+gravity  = [0.0, 0.0, 0.0]
+boundary = { top = { kind = "traction", value = [0.0, 0.0, "-10*t"] }, left = "symmetry", front = "symmetry" }
+
+[[contact]]
+body     = "block"
+obstacle = { kind = "rigid-plane", point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, -1.0] }
+law      = "nitsche"
+size     = 0.1
+offset   = 0.0101
+"#;
+    let directory = fresh_directory("pressed");
+    let summary = results(&legal(text, &[&["output.vtk_every=0"]]), &directory);
+    let forces = RunTables::read(&directory).expect("tables").column("contact_force").expect("a column");
+    forces.iter().for_each(|(time, force)| assert!((force - 10.0 * time).abs() < 1e-8, "{time}: {force}"));
+    assert!(summary.newton_iterations < 20 && summary.divided_steps == 0, "{summary:?}");
+}
