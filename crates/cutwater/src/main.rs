@@ -104,6 +104,8 @@ enum Template {
     Fall,
     /// Flow through a channel past a cylinder with an elastic flag.
     Flow,
+    /// Two elastic balls that collide in space, without a fluid.
+    Collide,
 }
 
 /// A scenario file with changes.

@@ -209,6 +209,7 @@ impl Summary {
         }
         self.add_timing("factorisation", None, newton.factorizations, newton.seconds_factorization);
         self.add_timing("linear solve", None, newton.solves, seconds.linear - newton.seconds_factorization);
+        self.add_timing("multipliers", None, 1, seconds.multipliers);
         self.add_timing("report", None, 1, seconds.report);
         self.add_timing("output", None, 1, seconds_output);
     }

@@ -1,5 +1,7 @@
 //! The solve of a step, repeated until the multipliers of contacts and the points of collisions no longer change.
 
+use std::time::Instant;
+
 use algebra::{Anderson, NewtonError, NewtonReport, NewtonSettings, Workspace, newton};
 use contact::{Multipliers, StressSource};
 
@@ -56,7 +58,10 @@ impl<const D: usize> Step<'_, D> {
             if has_other_points {
                 anderson.forget();
             }
-            match self.augment(x, anderson) {
+            let clock = Instant::now();
+            let unsettled = self.augment(x, anderson);
+            self.seconds.multipliers += clock.elapsed().as_secs_f64();
+            match unsettled {
                 None if !has_other_points => return Ok(()),
                 Some(Unsettled { contact, change, accepted }) if !has_other_points && solves >= MOST_SOLVES => {
                     let newton = Box::new(report.clone());

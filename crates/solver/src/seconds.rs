@@ -15,6 +15,8 @@ pub struct StepSeconds {
     pub assembly: f64,
     /// Linear solver.
     pub linear: f64,
+    /// Multipliers of contacts, between solves.
+    pub multipliers: f64,
     /// Report of the step.
     pub report: f64,
 }

@@ -13,10 +13,10 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 385),
     (&["crates/io/src"], 13_700),
     (&["crates/report/src"], 1590),
-    (&["crates/solver/src"], 3_790),
+    (&["crates/solver/src"], 3_800),
     (&["validation"], 14_220),
     (&["xtask/src"], 2420),
-    (&[""], 86_190),
+    (&[""], 86_220),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

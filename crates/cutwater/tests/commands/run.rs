@@ -116,7 +116,7 @@ fn timing(printed: &str, name: &str) -> (usize, f64) {
 fn timings_of_all_stages_and_contributions() {
     let directory = fresh("run", "timings");
     let printed = succeeded(&cutwater(&["run", "--out", &directory.display().to_string(), "--timings", "--quiet"]));
-    for stage in ["cut", "space", "transfer", "contact search", "pattern", "report"] {
+    for stage in ["cut", "space", "transfer", "contact search", "pattern", "multipliers", "report"] {
         assert_eq!(timing(&printed, stage).0, 3, "once per step: {printed}");
     }
     let (assemblies, assembly) = timing(&printed, "assembly");
