@@ -104,8 +104,8 @@ enum Template {
     Fall,
     /// Flow through a channel past a cylinder with an elastic flag.
     Flow,
-    /// Two elastic balls that collide in space, without a fluid.
-    Collide,
+    /// An elastic ball that hits a rigid plane in space, without a fluid.
+    Impact,
 }
 
 /// A scenario file with changes.

@@ -13,7 +13,7 @@ impl Template {
         match self {
             Self::Fall => include_str!("../../templates/fall.toml"),
             Self::Flow => include_str!("../../templates/flow.toml"),
-            Self::Collide => include_str!("../../templates/collide.toml"),
+            Self::Impact => include_str!("../../templates/impact.toml"),
         }
     }
 }

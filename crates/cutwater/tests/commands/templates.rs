@@ -7,7 +7,7 @@ use crate::setting::{cutwater, fresh, succeeded};
 #[test]
 fn templates_are_checked_and_run() {
     for (template, dimension, end) in
-        [("fall", 2, "time.end=2e-3"), ("flow", 2, "time.end=1e-2"), ("collide", 3, "time.end=2e-3")]
+        [("fall", 2, "time.end=2e-3"), ("flow", 2, "time.end=1e-2"), ("impact", 3, "time.end=2e-3")]
     {
         let [file, out] = [format!("my-{template}.toml"), template.to_owned()].map(|name| fresh("templates", &name));
         let [shown, out] = [&file, &out].map(|path| path.display().to_string());
