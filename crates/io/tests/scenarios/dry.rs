@@ -148,6 +148,8 @@ fn a_body_at_rest_generates_no_energy() {
     assert!(kinetic < 1e-6, "{kinetic}");
     assert!(summary.energy_monotone && summary.energy_generated == Some(0.0), "{summary:?}");
     assert!(summary.energy_defect.is_some_and(|defect| defect < 10.0), "{summary:?}");
+    let has_time = summary.timings.iter().any(|timing| timing.task == "multipliers" && timing.seconds > 0.0);
+    assert!(has_time, "{summary:?}");
 }
 
 /// A rigid block over a thin plate at rest.
