@@ -2,7 +2,7 @@
 
 use mesh::{MAX_FACET_NODES, Point, Tensor, Vector};
 
-use crate::{Anchor, ContactPoint, ContactTraction, Frame, Projection};
+use crate::{Anchor, ContactPoint, ContactTraction, Frame, Local, Projection};
 
 /// Largest number of nodes at one point: those of the elements of slave and anchor.
 pub(crate) const MAX_NODES: usize = 2 * MAX_FACET_NODES;
@@ -50,8 +50,12 @@ pub struct ContactSite<const D: usize> {
     pub at: ContactPoint,
     /// Gap at the start of the step, if the law acts as a discrete gradient.
     pub gap_at_start: Option<f64>,
+    /// Displacement of the slave's point over the step along the normal, relative to its closest point.
+    pub advance: f64,
     /// Result of the law.
     pub traction: ContactTraction,
+    /// Derivative of the traction with respect to `advance`, zero unless the law acts as a discrete gradient.
+    pub by_advance: Local,
     pub(crate) nodes: [ContactNode<D>; MAX_NODES],
     pub(crate) n_nodes: usize,
     /// Number of nodes of the slave, the first ones.
@@ -76,7 +80,9 @@ impl<const D: usize> ContactSite<D> {
             stress_derivatives: Vec::new(),
             at: ContactPoint::default(),
             gap_at_start: None,
+            advance: 0.0,
             traction: ContactTraction::default(),
+            by_advance: Local::default(),
             nodes: [ContactNode::none(); MAX_NODES],
             n_nodes: 0,
             n_slave_nodes: 0,

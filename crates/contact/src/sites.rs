@@ -236,12 +236,13 @@ impl<const D: usize> ContactItems<D> {
             }
             let (mut segments, mut masters) = (vec![Segment::whole()], Vec::new());
             if let Some(master) = master {
-                let opposite = Placed::new(master.boundary, positions);
+                let opposite = Placed::new(master.boundary, &master.geometry);
+                let own = Placed::new(slave.boundary, &slave.geometry);
                 let corners = |points: [Point<D>; MAX_FACET_VERTICES]| std::array::from_fn(|k| points[k]);
                 let opposite = candidates.iter().map(|&candidate| corners(opposite.facet_points(candidate)));
                 // A law of collisions has no traction to integrate.
                 if pair.form.law.restitution().is_none() {
-                    segments = divide(&corners(placed.facet_points(facet)), opposite, slave.boundary.coordinates());
+                    segments = divide(&corners(own.facet_points(facet)), opposite, slave.boundary.coordinates());
                 }
                 let nodes = master.boundary.nodes_of(&candidates);
                 masters = nodes.into_iter().map(|node| (node, first_row(master, node))).collect();
@@ -330,8 +331,8 @@ impl<const D: usize> ContactSites<'_, D> {
             }
         }
         let frame = Frame::new(projection.normal);
-        let slip = site.nodes().iter().fold(Vector::zeros(), |sum, node| sum + node.displacement * node.share);
-        let [_, slip @ ..] = frame.components(&slip);
+        let motion = site.nodes().iter().fold(Vector::zeros(), |sum, node| sum + node.displacement * node.share);
+        let [advance, slip @ ..] = frame.components(&motion);
         let gap = projection.gap(position);
         let mut at = ContactPoint { gap, slip, size: form.size, ..ContactPoint::default() };
         if let Some(stress) = &self.pair.stress {
@@ -345,7 +346,7 @@ impl<const D: usize> ContactSites<'_, D> {
         if !form.law.is_active(&at) && !start.is_some_and(|start| form.law.is_active(&start)) {
             return false;
         }
-        site.gap_at_start = gap_at_start;
+        (site.gap_at_start, site.advance) = (gap_at_start, advance);
         (site.projection, site.frame, site.at) = (projection, frame, at);
         true
     }
@@ -435,11 +436,12 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         self.each_point(item, x, |site| {
             let law = self.pair.form.law.as_ref();
-            let traction = match site.gap_at_start {
-                Some(gap) => discrete_gradient(law, &site.at, gap),
-                None => law.traction(&site.at),
+            let (traction, by_advance) = match site.gap_at_start {
+                Some(gap) => discrete_gradient(law, &site.at, gap, site.advance),
+                None => (law.traction(&site.at), Local::default()),
             };
             site.traction = traction.times(self.pair.share);
+            site.by_advance = by_advance.map(|derivative| self.pair.share * derivative);
             visit(site);
         });
     }

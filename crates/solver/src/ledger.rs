@@ -62,7 +62,8 @@ pub struct Ledger {
     /// Work against loads on bodies, also gravity that varies in time, and against pressure on closed surfaces.
     pub loads: f64,
     /// Contacts: work of tractions without the energy that the laws store, and work of collisions. It contains changes
-    /// of the stored energy that are not work: by the area of facets, and by the shift of positions if `Δt` changes.
+    /// of the stored energy that are not work: by the area of facets, by their division along the edges of the
+    /// obstacle, and by the shift of positions if `Δt` changes.
     pub contact: f64,
     /// Work against given velocities: on boundaries, and on bodies of prescribed motion, by the fluid and by contacts.
     pub given_velocities: f64,

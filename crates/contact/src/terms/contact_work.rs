@@ -16,7 +16,7 @@ use crate::{Anchor, ContactNode, ContactSite};
 /// `G_a = ∂N_a/∂x` (zero at the slave), `C = ∂n/∂x` and the metric `W` ([`Anchor::Facet`]), all nodes alike:
 ///   residual_a = -∫ s_a f,    tangent_ab = -c_d ∫ (f ⊗ ∂s_a/∂x_b + s_a ∂f/∂x_b),
 ///   ∂Δ/∂x_b = -s_b n,    ∂n/∂x_b = s_b C - G_b ⊗ n,    ∂s_a/∂x_b = Δ (G_a · W G_b) n - s_b G_a,
-/// and `∂f` by the chain rule through gap, slip, stress and frame: exact wherever the projection is smooth.
+/// and `∂f` by the chain rule through gap, motion, stress and frame: exact wherever the projection is smooth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactWork;
 
@@ -85,14 +85,15 @@ fn force_by_position<const D: usize>(site: &ContactSite<D>, b: &ContactNode<D>, 
     for (derivative, axis) in law.by_stress.iter().zip(&axes) {
         by_position += frame.vector(derivative) * (site.stress.transpose() * axis);
     }
-    if law.by_slip != [[0.0; 3]; 2] {
-        let slip: Vector<D> = site.nodes().iter().map(|a| a.displacement * a.share).sum();
+    let by_motion = [site.by_advance, law.by_slip[0], law.by_slip[1]];
+    if by_motion != [[0.0; 3]; 3] {
+        let motion: Vector<D> = site.nodes().iter().map(|a| a.displacement * a.share).sum();
         let mut by_b = Tensor::identity() * b.share;
         for a in site.nodes() {
             by_b += a.displacement * share_by_position(site, a, (b.share, along)).transpose();
         }
-        for (k, derivative) in law.by_slip.iter().enumerate() {
-            let change = slip.transpose() * axes[k + 1] + frame.axes[k + 1].transpose() * by_b;
+        for (k, derivative) in by_motion.iter().enumerate() {
+            let change = motion.transpose() * axes[k] + frame.axes[k].transpose() * by_b;
             by_position += frame.vector(derivative) * change;
         }
     }

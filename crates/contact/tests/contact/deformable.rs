@@ -282,6 +282,26 @@ fn residual_is_the_derivative_of_the_stored_energy() {
     });
 }
 
+/// Checks that the work of a discrete gradient is the change of the stored energy, although normals turn and closest
+/// points change their facets. With velocity zero positions do not change in the step.
+fn work_is_the_change_of_the_stored_energy<const D: usize>() {
+    let scheme = GeneralisedAlpha::new(0.5).unwrap();
+    for seed in 0..4 {
+        two_blocks::<D>((Order::Linear, seed), penalty(), &scheme, &|_, _, contact, x| {
+            let [start, end] = [0.0, 1.0].map(|t| contact.stored_energy(&x.iter().map(|x| t * x).collect::<Vec<_>>()));
+            let work: f64 = residual(contact, x).iter().zip(x).map(|(r, x)| DT * r * x).sum();
+            assert!(start > 0.0 && (end - start).abs() > 0.1 * start, "{start} {end}");
+            assert!((end - start - work).abs() < 1e-12 * end.max(start), "{start} {end} {work}");
+        });
+    }
+}
+
+#[test]
+fn work_is_the_change_of_the_stored_energy_in_2d_and_3d() {
+    work_is_the_change_of_the_stored_energy::<2>();
+    work_is_the_change_of_the_stored_energy::<3>();
+}
+
 /// Checks a point half a unit in front of an oblique plate whose far side is one long facet. The box of this facet
 /// contains the point, and boxes of the short facets of the near side do not.
 #[test]
