@@ -290,7 +290,7 @@ fn work_is_the_change_of_the_stored_energy<const D: usize>() {
         two_blocks::<D>((Order::Linear, seed), penalty(), &scheme, &|_, _, contact, x| {
             let [start, end] = [0.0, 1.0].map(|t| contact.stored_energy(&x.iter().map(|x| t * x).collect::<Vec<_>>()));
             let work: f64 = residual(contact, x).iter().zip(x).map(|(r, x)| DT * r * x).sum();
-            assert!(start > 0.0 && (end - start).abs() > 0.1 * start, "{start} {end}");
+            assert!(start > 0.0 && (end - start).abs() > 0.01 * start, "{start} {end}");
             assert!((end - start - work).abs() < 1e-12 * end.max(start), "{start} {end} {work}");
         });
     }
