@@ -41,6 +41,7 @@
 
 pub mod diagnostics;
 pub mod law;
+mod near;
 pub mod obstacle;
 pub mod terms;
 

@@ -10,9 +10,16 @@ use mesh::{
 };
 
 use crate::law::discrete_gradient;
+use crate::near::NearFacets;
 use crate::segments::{Segment, divide};
 use crate::site::ContactNode;
 use crate::{Anchor, ContactLaw, ContactPoint, ContactSite, Error, Frame, Local, Obstacle, Positions, StressSource};
+
+/// Upper bound of the sum of the absolute values of the shape functions at a point of a facet, of either order.
+const SUM_OF_SHAPES: f64 = 2.0;
+
+/// Round-off of gaps, relative to the contact size.
+const ROUND_OFF: f64 = 1e-9;
 
 /// Law, contact size and quadrature of a contact.
 #[derive(Clone, Debug)]
@@ -115,6 +122,8 @@ pub struct ContactItems<const D: usize> {
     items: Vec<Item<D>>,
     /// Whether candidates were searched within the reach; false for an obstacle without facets.
     is_searched: bool,
+    /// Whether the law acts as a discrete gradient.
+    is_gradient: bool,
 }
 
 /// A facet of the slave with an obstacle in reach.
@@ -129,8 +138,8 @@ struct Item<const D: usize> {
     masters: Vec<(VertexId, Option<usize>)>,
     /// Dofs, each once: those of slave, master and stress.
     dofs: Vec<DofId>,
-    /// Gap at the start of the step at each point, infinite without an obstacle in reach; only for the discrete
-    /// gradient of a law with energy.
+    /// Gap at the start of the step at each point, infinite if it is not known; an empty list if no gap at the start is
+    /// used.
     begin_gaps: Vec<f64>,
     /// Multiplier at each point; an empty list means zero, and laws without multipliers.
     multipliers: Vec<Local>,
@@ -266,15 +275,18 @@ impl<const D: usize> ContactItems<D> {
                 // On the axis.
                 continue;
             }
+            let positions = Positions::Fixed(positions);
+            let mut near = NearFacets::new(obstacle, &candidates, positions);
             let begin_gap = |point: &SlavePoint<D>| {
                 let start = nodes.iter().zip(&point.shape).map(|(node, share)| node * *share).sum();
-                let found = obstacle.project(&start, Positions::Fixed(positions), &candidates);
+                let found = obstacle.project(&start, positions, near.of(&start));
                 found.map_or(f64::INFINITY, |projection| projection.gap(&start))
             };
-            let begin_gaps = if is_gradient { points.iter().map(begin_gap).collect() } else { Vec::new() };
+            let begin_gaps =
+                if is_gradient || is_searched { points.iter().map(begin_gap).collect() } else { Vec::new() };
             items.push(Item { facet, candidates, points, masters, dofs, begin_gaps, multipliers: Vec::new() });
         }
-        Self { items, is_searched }
+        Self { items, is_searched, is_gradient }
     }
 }
 
@@ -317,10 +329,17 @@ impl<const D: usize> ContactSites<'_, D> {
     /// Evaluates all of a point except its traction, given its position and, in `site`, its weight, the stress and the
     /// nodes of the slave. Returns whether it is in contact.
     #[inline]
-    fn evaluate(&self, item: &Item<D>, position: &Point<D>, x: &[f64], site: &mut ContactSite<D>) -> bool {
+    fn evaluate(
+        &self,
+        item: &Item<D>,
+        near: &mut NearFacets<'_, D>,
+        position: &Point<D>,
+        x: &[f64],
+        site: &mut ContactSite<D>,
+    ) -> bool {
         let ContactPair { form, obstacle, master, .. } = self.pair;
         let positions = Positions::at_end(master, self.layout, x);
-        let Some(projection) = obstacle.project(position, positions, &item.candidates) else { return false };
+        let Some(projection) = obstacle.project(position, positions, near.of(position)) else { return false };
         site.n_nodes = site.n_slave_nodes;
         if let (Anchor::Facet { facet, shape, gradient, .. }, Some(master)) = (&projection.anchor, master) {
             for (k, node) in master.boundary.nodes(*facet).iter().enumerate() {
@@ -341,7 +360,8 @@ impl<const D: usize> ContactSites<'_, D> {
             at.stress = *multiplier;
         }
         let beyond = form.law.offset().max(gap);
-        let gap_at_start = item.begin_gaps.get(site.number).map(|gap| if gap.is_finite() { *gap } else { beyond });
+        let begin_gap = item.begin_gaps.get(site.number).filter(|_| self.items.is_gradient);
+        let gap_at_start = begin_gap.map(|gap| if gap.is_finite() { *gap } else { beyond });
         let start = gap_at_start.map(|gap| ContactPoint { gap, ..at });
         if !form.law.is_active(&at) && !start.is_some_and(|start| form.law.is_active(&start)) {
             return false;
@@ -349,6 +369,33 @@ impl<const D: usize> ContactSites<'_, D> {
         (site.gap_at_start, site.advance) = (gap_at_start, advance);
         (site.projection, site.frame, site.at) = (projection, frame, at);
         true
+    }
+
+    /// Returns an upper bound of the motion of the points of an item over the step, relative to the obstacle, given the
+    /// nodes of the slave.
+    fn largest_motion(&self, item: &Item<D>, slave: &[ContactNode<D>], x: &[f64]) -> f64 {
+        let origin = self.pair.master.map_or_else(Vector::zeros, |_| slave[0].displacement);
+        let largest = |motions: &mut dyn Iterator<Item = Vector<D>>| {
+            motions.map(|motion| (motion - origin).norm_squared()).fold(0.0, f64::max).sqrt()
+        };
+        let of_slave = largest(&mut slave.iter().map(|node| node.displacement));
+        let motion = |&(node, row): &_, master| self.node(master, node, row, x).1.displacement;
+        let of_master = self.pair.master.map(|master| largest(&mut item.masters.iter().map(|at| motion(at, master))));
+        SUM_OF_SHAPES * (of_slave + of_master.unwrap_or(0.0))
+    }
+
+    /// Returns whether a point cannot be in contact at the end of the step, given the bound of its motion: not even
+    /// with the smallest gap and the smallest normal stress that are possible.
+    fn is_apart(&self, item: &Item<D>, number: usize, motion: f64, stress: &Vector<D>) -> bool {
+        let Some(gap) = item.begin_gaps.get(number).filter(|gap| gap.is_finite()) else { return false };
+        let ContactForm { law, size, .. } = self.pair.form;
+        let mut at = ContactPoint { gap: gap - motion - ROUND_OFF * size, size: *size, ..ContactPoint::default() };
+        if let Some(source) = &self.pair.stress {
+            (at.stress[0], at.stiffness) = (-stress.norm(), source.stiffness(item.facet));
+        } else if let Some([normal, ..]) = item.multipliers.get(number) {
+            at.stress[0] = *normal;
+        }
+        !law.is_active(&at)
     }
 
     /// Visits the points of an item that are in contact, without their traction.
@@ -366,14 +413,20 @@ impl<const D: usize> ContactSites<'_, D> {
         for (k, &node) in nodes.iter().enumerate() {
             (points[k], site.nodes[k]) = self.node(slave, node, slave.field().map(|_| D * k), x);
         }
+        let motion = self.largest_motion(item, &site.nodes[..nodes.len()], x);
+        let positions = Positions::at_end(self.pair.master, self.layout, x);
+        let mut near = NearFacets::new(self.pair.obstacle, &item.candidates, positions);
         for (number, point) in item.points.iter().enumerate().filter(|(_, point)| !point.is_past_end) {
+            if self.is_apart(item, number, motion, &site.stress) {
+                continue;
+            }
             let mut position = Point::zeros();
             for k in 0..nodes.len() {
                 site.nodes[k].share = point.shape[k];
                 position += points[k] * point.shape[k];
             }
             (site.number, site.weight) = (number, point.weight);
-            if self.evaluate(item, &position, x, &mut site) {
+            if self.evaluate(item, &mut near, &position, x, &mut site) {
                 visit(&mut site);
             }
         }

@@ -16,7 +16,7 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/solver/src"], 3_800),
     (&["validation"], 14_220),
     (&["xtask/src"], 2420),
-    (&[""], 86_220),
+    (&[""], 86_530),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

@@ -9,7 +9,8 @@ use super::{ContactLaw, ContactPoint, ContactTraction};
 pub struct LawCheck {
     /// Largest tension: the normal traction must not be positive.
     pub tension: f64,
-    /// Largest decrease of the normal traction from one point to the next. Points are given with increasing gaps.
+    /// Largest decrease of the normal traction from one point to the next. Points are given with increasing gaps. One
+    /// if a point leaves contact when its gap or its normal stress decreases.
     pub monotonicity: f64,
     /// Traction at inactive points.
     pub inactive: f64,
@@ -52,6 +53,10 @@ pub fn check_law(law: &dyn ContactLaw, points: &[ContactPoint]) -> LawCheck {
         check.tension = worse(check.tension, value[0] / scale);
         check.monotonicity = worse(check.monotonicity, (before - value[0]) / scale);
         before = value[0];
+        let is_active_with = |argument, by: f64| law.is_active(&moved(at, argument, -by));
+        if law.is_active(at) && !(is_active_with(0, at.size) && is_active_with(3, scale)) {
+            check.monotonicity = worse(check.monotonicity, 1.0);
+        }
         if !law.is_active(at) {
             check.inactive = worse(check.inactive, largest(value) / scale);
         }
@@ -137,6 +142,27 @@ mod tests {
         let law = Changed { penalty: PenaltyLaw::new(1e3, 0.1).unwrap(), traction, energy };
         let at = |k: i32| ContactPoint { gap: 0.013 * f64::from(k) + 0.001, size: 0.1, ..ContactPoint::default() };
         check_law(&law, &(-20..20).map(at).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn laws_that_end_at_smaller_gaps_are_found() {
+        #[derive(Debug)]
+        struct Shallow(PenaltyLaw);
+        impl ContactLaw for Shallow {
+            fn traction(&self, at: &ContactPoint) -> ContactTraction {
+                if self.is_active(at) { self.0.traction(at) } else { ContactTraction::default() }
+            }
+
+            fn is_active(&self, at: &ContactPoint) -> bool {
+                self.0.is_active(at) && at.gap > 0.0
+            }
+
+            fn offset(&self) -> f64 {
+                self.0.offset()
+            }
+        }
+        let at = ContactPoint { gap: 0.05, size: 0.1, ..ContactPoint::default() };
+        assert_eq!(check_law(&Shallow(PenaltyLaw::new(1e3, 0.1).unwrap()), &[at]).monotonicity, 1.0);
     }
 
     #[test]
