@@ -154,6 +154,9 @@ struct SlavePoint<const D: usize> {
     shape: [f64; MAX_FACET_NODES],
     /// Quadrature weight with the measure of the element at the start of the step.
     weight: f64,
+    /// Flat facet of the obstacle under the whole segment, onto whose plane the point is projected: at a kink of the
+    /// obstacle each segment has the normal of its facet. `None` if the closest point is searched.
+    facet: Option<FacetId>,
     /// Whether the point is past the end of the obstacle at the start of the step.
     is_past_end: bool,
 }
@@ -244,13 +247,14 @@ impl<const D: usize> ContactItems<D> {
                 first_row(slave, node);
             }
             let (mut segments, mut masters) = (vec![Segment::whole()], Vec::new());
+            // A law of collisions has no traction to integrate.
+            let is_divided = pair.form.law.restitution().is_none();
             if let Some(master) = master {
                 let opposite = Placed::new(master.boundary, &master.geometry);
                 let own = Placed::new(slave.boundary, &slave.geometry);
                 let corners = |points: [Point<D>; MAX_FACET_VERTICES]| std::array::from_fn(|k| points[k]);
                 let opposite = candidates.iter().map(|&candidate| corners(opposite.facet_points(candidate)));
-                // A law of collisions has no traction to integrate.
-                if pair.form.law.restitution().is_none() {
+                if is_divided {
                     segments = divide(&corners(own.facet_points(facet)), opposite, slave.boundary.coordinates());
                 }
                 let nodes = master.boundary.nodes_of(&candidates);
@@ -263,12 +267,24 @@ impl<const D: usize> ContactItems<D> {
             let place = |at: &[f64; D]| slave.boundary.shape(facet, at).at(&nodes);
             let mut points = Vec::new();
             for (number, segment) in segments.iter().enumerate() {
+                let under = master.filter(|_| is_divided).and_then(|master| {
+                    let corners = Placed::new(slave.boundary, &slave.geometry).facet_points(facet);
+                    let centre = segment.at(&[1.0 / D as f64; D]);
+                    let centre = corners.iter().zip(&centre).map(|(corner, share)| corner * *share).sum();
+                    obstacle.facet_under(&centre, Positions::Fixed(&master.geometry), &candidates)
+                });
                 points.extend(pair.form.points_of(segment, place, coordinates).into_iter().map(|(at, weight)| {
                     let shape = slave.boundary.shape(facet, &at);
                     let (start, measure) = (shape.at(&nodes), placed.measure_at(facet, &shape));
                     let is_past_end = obstacle.is_past_end(&start, Positions::Fixed(positions), &candidates);
                     let shape = std::array::from_fn(|k| shape.values[k]);
-                    SlavePoint { segment: number, shape, weight: weight * (segment.share * measure), is_past_end }
+                    SlavePoint {
+                        segment: number,
+                        facet: under,
+                        shape,
+                        weight: weight * (segment.share * measure),
+                        is_past_end,
+                    }
                 }));
             }
             if points.iter().all(|point| point.weight == 0.0) {
@@ -279,11 +295,14 @@ impl<const D: usize> ContactItems<D> {
             let mut near = NearFacets::new(obstacle, &candidates, positions);
             let begin_gap = |point: &SlavePoint<D>| {
                 let start = nodes.iter().zip(&point.shape).map(|(node, share)| node * *share).sum();
-                let found = obstacle.project(&start, positions, near.of(&start));
+                let found = near.project(&start, point.facet);
                 found.map_or(f64::INFINITY, |projection| projection.gap(&start))
             };
-            let begin_gaps =
-                if is_gradient || is_searched { points.iter().map(begin_gap).collect() } else { Vec::new() };
+            let begin_gaps = if is_gradient || is_searched && is_divided {
+                points.iter().map(begin_gap).collect()
+            } else {
+                Vec::new()
+            };
             items.push(Item { facet, candidates, points, masters, dofs, begin_gaps, multipliers: Vec::new() });
         }
         Self { items, is_searched, is_gradient }
@@ -337,9 +356,9 @@ impl<const D: usize> ContactSites<'_, D> {
         x: &[f64],
         site: &mut ContactSite<D>,
     ) -> bool {
-        let ContactPair { form, obstacle, master, .. } = self.pair;
-        let positions = Positions::at_end(master, self.layout, x);
-        let Some(projection) = obstacle.project(position, positions, near.of(position)) else { return false };
+        let ContactPair { form, master, .. } = self.pair;
+        let facet = item.points[site.number].facet;
+        let Some(projection) = near.project(position, facet) else { return false };
         site.n_nodes = site.n_slave_nodes;
         if let (Anchor::Facet { facet, shape, gradient, .. }, Some(master)) = (&projection.anchor, master) {
             for (k, node) in master.boundary.nodes(*facet).iter().enumerate() {
@@ -366,7 +385,9 @@ impl<const D: usize> ContactSites<'_, D> {
         if !form.law.is_active(&at) && !start.is_some_and(|start| form.law.is_active(&start)) {
             return false;
         }
-        (site.gap_at_start, site.advance) = (gap_at_start, advance);
+        // Without a gap at the start the motion is not compared with its change.
+        let is_known = begin_gap.is_none_or(|gap| gap.is_finite());
+        (site.gap_at_start, site.advance) = (gap_at_start, if is_known { advance } else { beyond - gap });
         (site.projection, site.frame, site.at) = (projection, frame, at);
         true
     }
@@ -374,13 +395,18 @@ impl<const D: usize> ContactSites<'_, D> {
     /// Returns an upper bound of the motion of the points of an item over the step, relative to the obstacle, given the
     /// nodes of the slave.
     fn largest_motion(&self, item: &Item<D>, slave: &[ContactNode<D>], x: &[f64]) -> f64 {
+        if item.begin_gaps.is_empty() {
+            return 0.0;
+        }
         let origin = self.pair.master.map_or_else(Vector::zeros, |_| slave[0].displacement);
         let largest = |motions: &mut dyn Iterator<Item = Vector<D>>| {
             motions.map(|motion| (motion - origin).norm_squared()).fold(0.0, f64::max).sqrt()
         };
         let of_slave = largest(&mut slave.iter().map(|node| node.displacement));
-        let motion = |&(node, row): &_, master| self.node(master, node, row, x).1.displacement;
-        let of_master = self.pair.master.map(|master| largest(&mut item.masters.iter().map(|at| motion(at, master))));
+        let of_master = self.pair.master.map(|master| {
+            let motion = |node: VertexId| master.position_at(node, self.layout, x) - master.start[node.index()];
+            largest(&mut item.masters.iter().map(|(node, _)| motion(*node)))
+        });
         SUM_OF_SHAPES * (of_slave + of_master.unwrap_or(0.0))
     }
 

@@ -1,7 +1,7 @@
 //! Energies that the steps of a run generated, and lost in contact and at surfaces, relative to the energies of the
 //! run.
 
-use contact::StressSource;
+use contact::{ContactPoint, StressSource};
 use mesh::Aabb;
 use serde::{Deserialize, Serialize};
 use solver::body::Balance;
@@ -44,6 +44,12 @@ pub(crate) struct Energies {
     /// a body that does not deform.
     #[serde(default)]
     determines_impact: Vec<bool>,
+    /// Whether each contact may give back energy that it has taken: the other contacts whose laws store none.
+    #[serde(default)]
+    gives_back: Vec<bool>,
+    /// Energy that contacts have taken since the bodies touched, and have not given back.
+    #[serde(default)]
+    held_by_contact: f64,
     largest_defect: f64,
     /// Whether the energy of a step was not a number.
     is_undefined: bool,
@@ -59,6 +65,11 @@ impl Energies {
             law.restitution().is_some() || law.stress() == StressSource::Multiplier && is_rigid
         };
         energies.determines_impact = setup.contacts.iter().map(determines_impact).collect();
+        let gives_back = |contact: &Contact<D>| {
+            let stored = contact.form().law.energy_density(&ContactPoint::default());
+            stored.is_none() && !determines_impact(contact)
+        };
+        energies.gives_back = setup.contacts.iter().map(gives_back).collect();
         energies.has_inertia = setup.scheme.weights(setup.dt, true).has_inertia();
         let balances: Vec<_> =
             setup.bodies.iter().zip(&start.bodies).map(|(body, state)| body.balance(state)).collect();
@@ -92,6 +103,9 @@ impl Energies {
 
     /// Adds the step that ends at the state of a view.
     ///
+    /// A law without stored energy takes energy while surfaces approach each other, and gives it back. The part that it
+    /// has taken since the bodies touched is not counted.
+    ///
     /// Gains below the tolerance of Newton's method times the energies of weights are not counted, and gains below
     /// twice the defect of the ledger, which are errors of the nonlinear solve.
     pub(crate) fn add<const D: usize>(&mut self, view: &StepView<'_, D>, report: &StepReport<D>) {
@@ -116,13 +130,19 @@ impl Energies {
         if is_active(false) && !is_active(true) {
             self.lost_in_contact += report.ledger.body_scheme;
         }
+        let mut by_law = report.contacts.iter().zip(&self.gives_back);
+        let touches = by_law.any(|(contact, gives_back)| *gives_back && contact.n_active > 0) && !is_active(true);
+        let (held, taken) = (self.held_by_contact, report.ledger.contact);
+        self.held_by_contact = if touches { (held + taken).max(0.0) } else { 0.0 };
+        let given_back = if touches { held.min(-taken).max(0.0) } else { 0.0 };
         self.lost_at_surfaces += report.ledger.penalty_normal;
         self.dissipated += (-gain).max(0.0);
         self.is_undefined |= !(gain.is_finite() && defect.is_finite());
         self.largest_defect = self.largest_defect.max(defect);
         if gain > 2.0 * defect {
             self.largest_gain = self.largest_gain.max(gain);
-            self.generated += if gain > tolerance * self.of_weights { gain } else { 0.0 };
+            let generated = gain - given_back;
+            self.generated += if generated > tolerance * self.of_weights { generated } else { 0.0 };
         }
     }
 

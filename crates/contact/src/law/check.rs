@@ -9,8 +9,8 @@ use super::{ContactLaw, ContactPoint, ContactTraction};
 pub struct LawCheck {
     /// Largest tension: the normal traction must not be positive.
     pub tension: f64,
-    /// Largest decrease of the normal traction from one point to the next. Points are given with increasing gaps. One
-    /// if a point leaves contact when its gap or its normal stress decreases.
+    /// Largest decrease of the normal traction from one point to the next. Points are given with increasing gaps. It
+    /// is 1 if a point leaves contact when its gap or normal stress decreases, or without slip and tangential stress.
     pub monotonicity: f64,
     /// Traction at inactive points.
     pub inactive: f64,
@@ -53,8 +53,9 @@ pub fn check_law(law: &dyn ContactLaw, points: &[ContactPoint]) -> LawCheck {
         check.tension = worse(check.tension, value[0] / scale);
         check.monotonicity = worse(check.monotonicity, (before - value[0]) / scale);
         before = value[0];
-        let is_active_with = |argument, by: f64| law.is_active(&moved(at, argument, -by));
-        if law.is_active(at) && !(is_active_with(0, at.size) && is_active_with(3, scale)) {
+        let normal_only = ContactPoint { slip: [0.0; 2], stress: [at.stress[0], 0.0, 0.0], ..*at };
+        let others = [moved(at, 0, -at.size), moved(at, 3, -scale), normal_only];
+        if law.is_active(at) && !others.iter().all(|other| law.is_active(other)) {
             check.monotonicity = worse(check.monotonicity, 1.0);
         }
         if !law.is_active(at) {
@@ -145,24 +146,34 @@ mod tests {
     }
 
     #[test]
-    fn laws_that_end_at_smaller_gaps_are_found() {
+    fn laws_that_are_not_active_where_they_must_be_are_found() {
         #[derive(Debug)]
-        struct Shallow(PenaltyLaw);
-        impl ContactLaw for Shallow {
+        struct Limited(PenaltyLaw, fn(&ContactPoint) -> bool);
+        impl ContactLaw for Limited {
             fn traction(&self, at: &ContactPoint) -> ContactTraction {
                 if self.is_active(at) { self.0.traction(at) } else { ContactTraction::default() }
             }
 
             fn is_active(&self, at: &ContactPoint) -> bool {
-                self.0.is_active(at) && at.gap > 0.0
+                self.0.is_active(at) && self.1(at)
             }
 
             fn offset(&self) -> f64 {
                 self.0.offset()
             }
         }
-        let at = ContactPoint { gap: 0.05, size: 0.1, ..ContactPoint::default() };
-        assert_eq!(check_law(&Shallow(PenaltyLaw::new(1e3, 0.1).unwrap()), &[at]).monotonicity, 1.0);
+        let at = ContactPoint {
+            gap: 0.05,
+            size: 0.1,
+            slip: [0.01, 0.0],
+            stress: [-1.0, 2.0, 0.0],
+            ..ContactPoint::default()
+        };
+        let found = |limit| check_law(&Limited(PenaltyLaw::new(1e3, 0.1).unwrap(), limit), &[at]).monotonicity;
+        let limits: [fn(&ContactPoint) -> bool; 4] =
+            [|at| at.gap > 0.0, |at| at.stress[0] > -10.0, |at| at.slip[0] > 0.0, |at| at.stress[1] > 1.0];
+        assert_eq!(limits.map(found), [1.0; 4]);
+        assert_eq!(found(|_| true), 0.0);
     }
 
     #[test]

@@ -86,8 +86,9 @@ pub trait ContactLaw: Send + Sync + std::fmt::Debug {
     /// Returns the traction at a point.
     fn traction(&self, at: &ContactPoint) -> ContactTraction;
 
-    /// Returns whether there is contact at a point. A point in contact must also be in contact with a smaller gap, and
-    /// with a smaller normal stress: steps leave out points that are too far away for both.
+    /// Returns whether there is contact at a point. A point in contact must also be in contact with a smaller gap and
+    /// with a smaller normal stress, whatever slip and tangential stress are: points that are not active with the
+    /// smallest gap and normal stress that are possible in a step are not evaluated.
     fn is_active(&self, at: &ContactPoint) -> bool;
 
     /// Returns the contact offset `ε`, a length. Penetration is `ε - Δ`. A law with stress may act at slightly larger

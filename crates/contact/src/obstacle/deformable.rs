@@ -13,6 +13,9 @@ use crate::{Error, Positions};
 /// Largest distance, relative to the first edge of the facet, that counts as zero: its direction is round-off.
 const TOUCHING: f64 = 1e-8;
 
+/// Barycentric coordinate outside of a facet up to which points are projected onto its plane.
+const FARTHEST_OUTSIDE: f64 = 0.25;
+
 /// Part of the boundary of a body that acts as an obstacle.
 ///
 /// The closest point is exact, on segments or triangles, or on the curved facets of elements of order 2. The normal
@@ -274,6 +277,18 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
     fn project(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>> {
         let flat = || self.closest(x, at, candidates).map(|found| self.projection(x, &found, at));
         self.curved(x, at, candidates).or_else(flat)
+    }
+
+    fn facet_under(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> Option<FacetId> {
+        let (facet, foot) = self.closest(x, at, candidates).filter(|_| self.boundary.order() == Order::Linear)?;
+        (foot.feature(self.boundary.facet(facet)) == Feature::Facet).then_some(facet)
+    }
+
+    fn project_on_plane(&self, facet: FacetId, x: &Point<D>, at: Positions<'_, D>) -> Option<Projection<D>> {
+        let points = facet_points(self.boundary.facet(facet), at);
+        let foot = Foot::on_plane(x, &points[..D])?;
+        let is_near = foot.barycentric[..D].iter().all(|coordinate| *coordinate >= -FARTHEST_OUTSIDE);
+        is_near.then(|| self.projection(x, &(facet, foot), at))
     }
 
     fn is_past_end(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> bool {

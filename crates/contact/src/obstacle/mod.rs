@@ -71,6 +71,17 @@ pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
     /// `candidates` are the facets that are searched, not used by obstacles without facets.
     fn project(&self, x: &Point<D>, positions: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>>;
 
+    /// Returns the flat facet in whose interior the closest point to `x` lies; `None` without such a facet.
+    fn facet_under(&self, _x: &Point<D>, _positions: Positions<'_, D>, _candidates: &[FacetId]) -> Option<FacetId> {
+        None
+    }
+
+    /// Returns the projection of `x` onto the plane of a facet of [`Self::facet_under`]; `None` if it is outside of the
+    /// facet by more than a quarter of its height. Then [`Self::project`] is used.
+    fn project_on_plane(&self, _facet: FacetId, _x: &Point<D>, _positions: Positions<'_, D>) -> Option<Projection<D>> {
+        None
+    }
+
     /// Returns whether a point is past the end of the facets that can be touched, where the gap to them has no meaning:
     ///
     /// - the gap is negative, but the point is outside of the surface, in front of a facet that cannot be touched;

@@ -220,6 +220,59 @@ fn energy_that_contact_stores_at_the_start_is_not_generated() {
     assert!(generated < 0.1, "{generated:e}");
 }
 
+/// Two elastic disks that collide off their centres.
+const COLLISION: &str = r#"
+name = "collision"
+dimension = 2
+units = "si"
+time = { step = 1e-3, end = 0.025, scheme = { kind = "generalised-alpha", rho_inf = 1.0 } }
+output = { vtk_every = 0 }
+
+[[body]]
+name = "left"
+shape = { kind = "ball", centre = [-0.051, 0.0], radius = 0.05, size = 0.0125 }
+material = { kind = "neo-hookean", young = 1e6, poisson = 0.3 }
+density = 1000.0
+gravity = [0.0, 0.0]
+initial_velocity = [0.5, 0.0]
+
+[[body]]
+name = "right"
+shape = { kind = "ball", centre = [0.051, 0.03], radius = 0.05, size = 0.0125 }
+material = { kind = "neo-hookean", young = 1e6, poisson = 0.3 }
+density = 1000.0
+gravity = [0.0, 0.0]
+initial_velocity = [-0.5, 0.0]
+
+[[contact]]
+pair = ["left", "right"]
+law = { kind = "penalty", gamma_contact_0 = 1e7 }
+size = 0.0125
+offset = 0.0
+"#;
+
+/// Checks that a collision of two bodies keeps its energy with the penalty. Nitsche's law takes energy in the impact,
+/// and what it gives back while the bodies part is not generated.
+#[test]
+fn a_collision_generates_no_energy() {
+    let collision = |changes: &[&str], name: &str| {
+        let directory = fresh_directory(name);
+        let summary = results(&legal(COLLISION, &[changes]), &directory);
+        assert!(summary.release_time.is_some(), "{summary:?}");
+        let tables = RunTables::read(&directory).expect("tables");
+        let column =
+            |name: &str| -> Vec<f64> { tables.column(name).expect(name).into_iter().map(|(_, value)| value).collect() };
+        let (total, stored) = (column("total_energy"), column("lost_scheme_storage"));
+        let gains = total.windows(2).zip(&stored[1..]).map(|(total, stored)| (total[1] - total[0] + stored).max(0.0));
+        let change = (total[total.len() - 1] - total[0]) / total[0];
+        (change, gains.sum::<f64>() / total[0], summary.energy_generated.expect("steps"))
+    };
+    let (change, _, generated) = collision(&[], "penalty");
+    assert!(change.abs() < 2e-3 && generated < 2e-3, "{change:e} {generated:e}");
+    let (change, gains, generated) = collision(&["contact.0.law=\"nitsche\""], "nitsche");
+    assert!(change < 0.0 && gains > 5e-3 && generated < 1e-3, "{change:e} {gains:e} {generated:e}");
+}
+
 /// A flap that stands on the ground. Its foot is clamped there, and is not in contact.
 #[test]
 fn steps_do_not_follow_gaps_of_clamped_parts() {

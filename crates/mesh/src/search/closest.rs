@@ -104,10 +104,24 @@ impl<const D: usize> Foot<D> {
         }
     }
 
+    /// Returns the projection onto the plane of the facet with the given `D` vertices; `None` for a degenerate facet.
+    /// Outside of the facet barycentric coordinates are negative.
+    #[inline]
+    pub fn on_plane(x: &Point<D>, points: &[Point<D>]) -> Option<Self> {
+        Self::on_span(x, points, (1 << D) - 1)
+    }
+
     /// Projects onto the plane of the vertices in `face`; `None` if the projection lies outside of their hull, or the
     /// hull is degenerate.
     #[inline]
     fn on_face(x: &Point<D>, points: &[Point<D>], face: usize) -> Option<Self> {
+        let is_inside = |foot: &Self| (0..D).all(|k| face & (1 << k) == 0 || foot.barycentric[k] >= -INSIDE);
+        Self::on_span(x, points, face).filter(is_inside)
+    }
+
+    /// Projects onto the plane of the vertices in `face`; `None` if their hull is degenerate.
+    #[inline]
+    fn on_span(x: &Point<D>, points: &[Point<D>], face: usize) -> Option<Self> {
         let spanning = || (0..D).filter(|k| face & (1 << k) != 0);
         let base = spanning().next()?;
         let mut foot = Self::on_vertex(x, points, base);
@@ -134,9 +148,6 @@ impl<const D: usize> Foot<D> {
             foot.barycentric[k] = foot.gradient[k].dot(&(x - points[base]));
             foot.barycentric[base] -= foot.barycentric[k];
             foot.point += (points[k] - points[base]) * foot.barycentric[k];
-        }
-        if spanning().any(|k| foot.barycentric[k] < -INSIDE) {
-            return None;
         }
         foot.squared_distance = (x - foot.point).norm_squared();
         Some(foot)
