@@ -29,6 +29,8 @@ pub struct ContactReport<const D: usize> {
     /// Power of contact on the slave and on the master; the latter is zero for a rigid obstacle. The sum is negative
     /// while energy is stored.
     pub powers: [f64; 2],
+    /// Part of the sum of these powers that normal tractions have, without friction.
+    pub normal_power: f64,
     /// Energy stored by the law.
     pub stored_energy: f64,
     /// Mean contact pressure `-λ` on the facets of the slave with contact points, in the order of the facets. Forces
@@ -49,6 +51,7 @@ impl<const D: usize> ContactReport<D> {
             active_area: 0.0,
             force: Vector::zeros(),
             powers: [0.0; 2],
+            normal_power: 0.0,
             stored_energy: 0.0,
             slave_pressures: Vec::new(),
             master_pressures: Vec::new(),
@@ -78,6 +81,8 @@ impl<const D: usize> ContactReport<D> {
                         (segment.facet, segment.inside) = (Some(facet), inside);
                     }
                 }
+                let velocity: Vector<D> = site.nodes().iter().map(|node| node.velocity * node.share).sum();
+                report.normal_power += site.weight * site.traction.value[0] * site.frame.axes[0].dot(&velocity);
                 for (k, node) in site.nodes().iter().enumerate() {
                     report.powers[usize::from(k >= site.n_slave_nodes)] += node.share * force.dot(&node.velocity);
                 }

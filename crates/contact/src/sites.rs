@@ -5,7 +5,7 @@ use std::sync::Arc;
 use algebra::{BlockLayout, DofId, RegimeHash, Sites};
 use body::{ByDof, SurfaceMotion, SurfaceStress};
 use mesh::{
-    BoundaryMesh, Coordinates, FacetId, MAX_FACET_NODES, MAX_FACET_VERTICES, Placed, Point, SimplexRule, Vector,
+    BoundaryMesh, Coordinates, FacetId, MAX_FACET_NODES, MAX_FACET_VERTICES, Order, Placed, Point, SimplexRule, Vector,
     VertexId, positive,
 };
 
@@ -138,9 +138,9 @@ struct Item<const D: usize> {
     masters: Vec<(VertexId, Option<usize>)>,
     /// Dofs, each once: those of slave, master and stress.
     dofs: Vec<DofId>,
-    /// Gap at the start of the step at each point, infinite if it is not known; an empty list if no gap at the start is
-    /// used.
-    begin_gaps: Vec<f64>,
+    /// Gap at the start of the step at each point, and the smaller one of this and that to the closest point. Infinite
+    /// if it is not known; an empty list if no gap at the start is used.
+    begin_gaps: Vec<[f64; 2]>,
     /// Multiplier at each point; an empty list means zero, and laws without multipliers.
     multipliers: Vec<Local>,
 }
@@ -267,11 +267,20 @@ impl<const D: usize> ContactItems<D> {
             let place = |at: &[f64; D]| slave.boundary.shape(facet, at).at(&nodes);
             let mut points = Vec::new();
             for (number, segment) in segments.iter().enumerate() {
-                let under = master.filter(|_| is_divided).and_then(|master| {
-                    let corners = Placed::new(slave.boundary, &slave.geometry).facet_points(facet);
-                    let centre = segment.at(&[1.0 / D as f64; D]);
-                    let centre = corners.iter().zip(&centre).map(|(corner, share)| corner * *share).sum();
-                    obstacle.facet_under(&centre, Positions::Fixed(&master.geometry), &candidates)
+                let is_flat = slave.boundary.order() == Order::Linear;
+                let under = master.filter(|_| is_divided && is_flat).and_then(|master| {
+                    let vertices = Placed::new(slave.boundary, &slave.geometry).facet_points(facet);
+                    let at = |corner: &[f64; D]| vertices.iter().zip(corner).map(|(vertex, b)| vertex * *b).sum();
+                    let corners = segment.corners.each_ref().map(at);
+                    let under = obstacle.facet_under(&corners, Positions::Fixed(&master.geometry), &candidates);
+                    // Its points must be near the facet at the start as well.
+                    let start = |corner: &[f64; D]| nodes.iter().zip(corner).map(|(node, b)| node * *b).sum();
+                    let at_start = Positions::Fixed(positions);
+                    let is_near = |facet: &FacetId| {
+                        let mut corners = segment.corners.iter();
+                        corners.all(|corner| obstacle.project_on_plane(*facet, &start(corner), at_start).is_some())
+                    };
+                    under.filter(is_near)
                 });
                 points.extend(pair.form.points_of(segment, place, coordinates).into_iter().map(|(at, weight)| {
                     let shape = slave.boundary.shape(facet, &at);
@@ -295,8 +304,9 @@ impl<const D: usize> ContactItems<D> {
             let mut near = NearFacets::new(obstacle, &candidates, positions);
             let begin_gap = |point: &SlavePoint<D>| {
                 let start = nodes.iter().zip(&point.shape).map(|(node, share)| node * *share).sum();
-                let found = near.project(&start, point.facet);
-                found.map_or(f64::INFINITY, |projection| projection.gap(&start))
+                let mut gap = |facet| near.project(&start, facet).map_or(f64::INFINITY, |found| found.gap(&start));
+                let at_start = gap(point.facet);
+                [at_start, if point.facet.is_some() { at_start.min(gap(None)) } else { at_start }]
             };
             let begin_gaps = if is_gradient || is_searched && is_divided {
                 points.iter().map(begin_gap).collect()
@@ -379,8 +389,8 @@ impl<const D: usize> ContactSites<'_, D> {
             at.stress = *multiplier;
         }
         let beyond = form.law.offset().max(gap);
-        let begin_gap = item.begin_gaps.get(site.number).filter(|_| self.items.is_gradient);
-        let gap_at_start = begin_gap.map(|gap| if gap.is_finite() { *gap } else { beyond });
+        let begin_gap = item.begin_gaps.get(site.number).map(|gaps| gaps[0]).filter(|_| self.items.is_gradient);
+        let gap_at_start = begin_gap.map(|gap| if gap.is_finite() { gap } else { beyond });
         let start = gap_at_start.map(|gap| ContactPoint { gap, ..at });
         if !form.law.is_active(&at) && !start.is_some_and(|start| form.law.is_active(&start)) {
             return false;
@@ -413,7 +423,7 @@ impl<const D: usize> ContactSites<'_, D> {
     /// Returns whether a point cannot be in contact at the end of the step, given the bound of its motion: not even
     /// with the smallest gap and the smallest normal stress that are possible.
     fn is_apart(&self, item: &Item<D>, number: usize, motion: f64, stress: &Vector<D>) -> bool {
-        let Some(gap) = item.begin_gaps.get(number).filter(|gap| gap.is_finite()) else { return false };
+        let Some([_, gap]) = item.begin_gaps.get(number).filter(|gaps| gaps[1].is_finite()) else { return false };
         let ContactForm { law, size, .. } = self.pair.form;
         let mut at = ContactPoint { gap: gap - motion - ROUND_OFF * size, size: *size, ..ContactPoint::default() };
         if let Some(source) = &self.pair.stress {

@@ -47,9 +47,9 @@ pub(crate) struct Energies {
     /// Whether each contact may give back energy that it has taken: the other contacts whose laws store none.
     #[serde(default)]
     gives_back: Vec<bool>,
-    /// Energy that contacts have taken since the bodies touched, and have not given back.
+    /// Energy that the normal tractions of each contact have taken since the bodies touched, and have not given back.
     #[serde(default)]
-    held_by_contact: f64,
+    held_by_contact: Vec<f64>,
     largest_defect: f64,
     /// Whether the energy of a step was not a number.
     is_undefined: bool,
@@ -103,8 +103,8 @@ impl Energies {
 
     /// Adds the step that ends at the state of a view.
     ///
-    /// A law without stored energy takes energy while surfaces approach each other, and gives it back. The part that it
-    /// has taken since the bodies touched is not counted.
+    /// Normal tractions of a law without stored energy take energy while surfaces approach each other, and give it
+    /// back. Gains from such energy are not counted up to the sum that the contact has taken since the bodies touched.
     ///
     /// Gains below the tolerance of Newton's method times the energies of weights are not counted, and gains below
     /// twice the defect of the ledger, which are errors of the nonlinear solve.
@@ -130,11 +130,18 @@ impl Energies {
         if is_active(false) && !is_active(true) {
             self.lost_in_contact += report.ledger.body_scheme;
         }
-        let mut by_law = report.contacts.iter().zip(&self.gives_back);
-        let touches = by_law.any(|(contact, gives_back)| *gives_back && contact.n_active > 0) && !is_active(true);
-        let (held, taken) = (self.held_by_contact, report.ledger.contact);
-        self.held_by_contact = if touches { (held + taken).max(0.0) } else { 0.0 };
-        let given_back = if touches { held.min(-taken).max(0.0) } else { 0.0 };
+        let mut given_back = 0.0;
+        self.held_by_contact.resize(self.gives_back.len(), 0.0);
+        for ((contact, gives_back), held) in report.contacts.iter().zip(&self.gives_back).zip(&mut self.held_by_contact)
+        {
+            let taken = -report.substep.dt * contact.normal_power;
+            if *gives_back && contact.n_active > 0 {
+                given_back += held.min(-taken).max(0.0);
+                *held = (*held + taken).max(0.0);
+            } else {
+                *held = 0.0;
+            }
+        }
         self.lost_at_surfaces += report.ledger.penalty_normal;
         self.dissipated += (-gain).max(0.0);
         self.is_undefined |= !(gain.is_finite() && defect.is_finite());

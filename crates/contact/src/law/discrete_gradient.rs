@@ -12,12 +12,13 @@ const SMALLEST_DIFFERENCE: f64 = 1e-12;
 
 /// Returns the traction `λ n + c r` of a law with the stored energy `W`, and its derivative by the advance
 ///
-/// `λ = (W(Δ^{n+1}) - W(Δ^n))/(Δ^{n+1} - Δ^n)`,   `c = -λ D/max(|r|², D²)`,   `D = Δ^{n+1} - Δ^n + n · r`
+/// `λ = (W(Δ^{n+1}) - W(Δ^n))/(Δ^{n+1} - Δ^n)`,   `c = -λ D/max(|r|², D², δ²)`,   `D = Δ^{n+1} - Δ^n + n · r`
 ///
 /// `r` is the motion of the slave's point over the step relative to its projection: `advance` is `n · r`, and the slip
-/// is the rest. While `|D| < |r|` the work `f · r` is minus the change of the energy. At a plane at rest `D = 0`. Where
-/// the normal turns, `D` is of second order in the motion of the step. A point at a distance from a facet that turns
-/// with it has `|D| > |r|`: no force along `r` has this work, and the correction is reduced to at most `λ`.
+/// is the rest. Where `|D|` and a millionth `δ` of the contact size are below `|r|`, the work `f · r` is minus the
+/// change of the energy. At a plane at rest `D = 0`. Where the normal turns, `D` is of second order in the motion of
+/// the step, and `c r` turns the normal to about its mean. A point that moves with its projection while the facet turns
+/// has `|D| > |r|`: no force along `r` has this work, and `c r` is limited to `λ`.
 ///
 /// `at` is the point at the end of the step. A law without energy is evaluated at the end. At the mean of the gaps at
 /// start and end, a stiff law would prescribe this mean only, and the gap would alternate from step to step.
@@ -51,11 +52,13 @@ pub(crate) fn discrete_gradient(
     }
     let squared: f64 = motion.iter().map(|component| component * component).sum();
     let smallest = (SMALLEST_CHANGE * at.size).powi(2);
-    let largest = squared.max(difference * difference).max(smallest);
+    let is_bounded = difference * difference > squared.max(smallest);
+    let largest = if is_bounded { difference * difference } else { squared.max(smallest) };
     let factor = -pressure * difference / largest;
     // Derivatives by the difference and by the components of the motion.
-    let by_difference = if largest == difference * difference { -factor } else { factor } / difference;
-    let by_motion = if largest == squared { motion.map(|r| -2.0 * factor * r / largest) } else { [0.0; 3] };
+    let by_difference = if is_bounded { -factor } else { factor } / difference;
+    let by_motion =
+        if !is_bounded && squared > smallest { motion.map(|r| -2.0 * factor * r / largest) } else { [0.0; 3] };
     let factor_by_gap = by_difference - by_gap * difference / largest;
     let mut by_advance = motion.map(|component| (by_difference + by_motion[0]) * component);
     by_advance[0] += factor;

@@ -13,8 +13,15 @@ use crate::{Error, Positions};
 /// Largest distance, relative to the first edge of the facet, that counts as zero: its direction is round-off.
 const TOUCHING: f64 = 1e-8;
 
-/// Barycentric coordinate outside of a facet up to which points are projected onto its plane.
+/// Barycentric coordinate outside of a facet up to which points are projected onto its plane. The sum of the absolute
+/// values of the coordinates is at most 2 there, which the bound of the motion in `sites.rs` contains.
 const FARTHEST_OUTSIDE: f64 = 0.25;
+
+/// Cosine of the angle between normals below which facets face each other.
+const FACING: f64 = -0.5;
+
+/// Distance relative to the length of a segment by which another facet may be closer at its corners.
+const CLOSER: f64 = 0.1;
 
 /// Part of the boundary of a body that acts as an obstacle.
 ///
@@ -279,9 +286,25 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
         self.curved(x, at, candidates).or_else(flat)
     }
 
-    fn facet_under(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> Option<FacetId> {
-        let (facet, foot) = self.closest(x, at, candidates).filter(|_| self.boundary.order() == Order::Linear)?;
-        (foot.feature(self.boundary.facet(facet)) == Feature::Facet).then_some(facet)
+    fn facet_under(&self, corners: &[Point<D>; D], at: Positions<'_, D>, candidates: &[FacetId]) -> Option<FacetId> {
+        if self.boundary.order() != Order::Linear {
+            return None;
+        }
+        let centre: Point<D> = corners.iter().map(|corner| corner / D as f64).sum();
+        let (facet, foot) = self.closest(&centre, at, candidates)?;
+        let points = facet_points(self.boundary.facet(facet), at);
+        let normals = facet_normal(&points[..D]).dot(&facet_normal(corners));
+        if foot.feature(self.boundary.facet(facet)) != Feature::Facet || normals > FACING {
+            return None;
+        }
+        let length =
+            (1..D).map(|k| (corners[k] - corners[k - 1]).norm()).fold((corners[D - 1] - corners[0]).norm(), f64::max);
+        let is_closest = |corner: &Point<D>| {
+            let plane = Foot::on_plane(corner, &points[..D]).map(|foot| foot.squared_distance.sqrt());
+            let closest = self.closest(corner, at, candidates).map(|(_, foot)| foot.squared_distance.sqrt());
+            plane.zip(closest).is_some_and(|(plane, closest)| plane <= closest + CLOSER * length)
+        };
+        corners.iter().all(is_closest).then_some(facet)
     }
 
     fn project_on_plane(&self, facet: FacetId, x: &Point<D>, at: Positions<'_, D>) -> Option<Projection<D>> {

@@ -71,13 +71,21 @@ pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
     /// `candidates` are the facets that are searched, not used by obstacles without facets.
     fn project(&self, x: &Point<D>, positions: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>>;
 
-    /// Returns the flat facet in whose interior the closest point to `x` lies; `None` without such a facet.
-    fn facet_under(&self, _x: &Point<D>, _positions: Positions<'_, D>, _candidates: &[FacetId]) -> Option<FacetId> {
+    /// Returns the flat facet that a segment of the slave faces: the closest point to its centre is in the interior of
+    /// the facet, the normals are opposite up to 60 degrees, and at no corner another facet is closer by more than a
+    /// tenth of the longest edge of the segment. `None` without such a facet.
+    fn facet_under(
+        &self,
+        _corners: &[Point<D>; D],
+        _positions: Positions<'_, D>,
+        _candidates: &[FacetId],
+    ) -> Option<FacetId> {
         None
     }
 
-    /// Returns the projection of `x` onto the plane of a facet of [`Self::facet_under`]; `None` if it is outside of the
-    /// facet by more than a quarter of its height. Then [`Self::project`] is used.
+    /// Returns the projection of `x` onto the plane of a facet of [`Self::facet_under`], with shape functions that may
+    /// be negative; `None` if it is outside of the facet by more than a quarter of its height. Then [`Self::project`]
+    /// is used.
     fn project_on_plane(&self, _facet: FacetId, _x: &Point<D>, _positions: Positions<'_, D>) -> Option<Projection<D>> {
         None
     }

@@ -92,14 +92,6 @@ impl<const D: usize> Obstacle<D> for OwnSurface<D> {
         is_known.then_some(found)
     }
 
-    fn facet_under(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> Option<FacetId> {
-        self.surface.facet_under(x, at, candidates)
-    }
-
-    fn project_on_plane(&self, facet: FacetId, x: &Point<D>, at: Positions<'_, D>) -> Option<Projection<D>> {
-        self.surface.project_on_plane(facet, x, at)
-    }
-
     fn boundary(&self) -> Option<&BoundaryMesh<D>> {
         self.surface.boundary()
     }
