@@ -269,7 +269,7 @@ fn a_collision_generates_no_energy() {
     };
     let (change, _, generated) = collision(&[], "penalty");
     assert!(change.abs() < 2e-3 && generated < 2e-3, "{change:e} {generated:e}");
-    // The elasticity of the bodies generates 1.06e-4 in the steps without contact. The bound was first 1e-6, without it.
+    // The elasticity of the bodies generates 1.06e-4 in steps without contact, which the first bound, 1e-6, left out.
     let (change, gains, generated) = collision(&["contact.0.law=\"nitsche\""], "nitsche");
     assert!(change < 0.0 && gains > 5e-3 && generated < 1e-3, "{change:e} {gains:e} {generated:e}");
 }
