@@ -135,12 +135,7 @@ impl Energies {
         for ((contact, gives_back), held) in report.contacts.iter().zip(&self.gives_back).zip(&mut self.held_by_contact)
         {
             let taken = -report.substep.dt * contact.normal_power;
-            if *gives_back && contact.n_active > 0 {
-                given_back += held.min(-taken).max(0.0);
-                *held = (*held + taken).max(0.0);
-            } else {
-                *held = 0.0;
-            }
+            given_back += give_back(held, taken, *gives_back && contact.n_active > 0);
         }
         self.lost_at_surfaces += report.ledger.penalty_normal;
         self.dissipated += (-gain).max(0.0);
@@ -184,5 +179,29 @@ impl Energies {
     pub(crate) fn defect(&self) -> Option<f64> {
         let size = self.largest.max(self.largest_line).max(self.of_weights).max(self.of_fluid).max(f64::MIN_POSITIVE);
         (!self.is_undefined).then_some(self.largest_defect / size)
+    }
+}
+
+/// Adds the energy that a contact takes in a step, negative if it gives energy, to what it holds, and returns what it
+/// gives back of this; a contact that ends holds nothing.
+fn give_back(held: &mut f64, taken: f64, touches: bool) -> f64 {
+    let given_back = if touches { held.min(-taken).max(0.0) } else { 0.0 };
+    *held = if touches { (*held + taken).max(0.0) } else { 0.0 };
+    given_back
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_contact_gives_back_what_it_took_since_bodies_touched() {
+        let mut held = 0.0;
+        let mut step = |taken, touches| give_back(&mut held, taken, touches);
+        assert_eq!(step(3.0, true), 0.0);
+        assert_eq!([step(-2.0, true), step(-2.0, true), step(-2.0, true)], [2.0, 1.0, 0.0]);
+        // The rest is lost when the bodies part.
+        assert_eq!([step(3.0, true), step(0.0, false), step(-2.0, true)], [0.0; 3]);
+        assert_eq!([step(1.0, true), step(-2.0, false), step(-1.0, true)], [0.0; 3]);
     }
 }

@@ -21,6 +21,7 @@ const VELOCITY: UnitOf = |units| &units.velocity;
 const ACCELERATION: UnitOf = |units| &units.acceleration;
 const FORCE: UnitOf = |units| &units.force;
 const ENERGY: UnitOf = |units| &units.energy;
+const MOMENT: UnitOf = |units| &units.moment;
 const POWER: UnitOf = |units| &units.power;
 const VOLUME: UnitOf = |units| &units.volume;
 const FLOW: UnitOf = |units| &units.flow;
@@ -86,10 +87,13 @@ fn history_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
         columns.push((format!("traction_force_{name}"), FORCE, Box::new(move |b| b.traction_force[axis])));
     }
     if D == 2 {
-        columns.push(("torque".to_owned(), ENERGY, Box::new(|b| b.torque[2])));
+        columns.push(("torque".to_owned(), MOMENT, Box::new(|b| b.torque[2])));
     } else {
         for (axis, name) in axes() {
-            columns.push((format!("torque_{name}"), ENERGY, Box::new(move |b| b.torque[axis])));
+            columns.push((format!("torque_{name}"), MOMENT, Box::new(move |b| b.torque[axis])));
+        }
+        for (axis, name) in axes() {
+            columns.push((format!("spin_{name}"), ANGULAR_VELOCITY, Box::new(move |b| b.spin[axis])));
         }
         columns.push(("centre_z".to_owned(), LENGTH, Box::new(|b| b.centre[2])));
         columns.push(("centre_velocity_y".to_owned(), VELOCITY, Box::new(|b| b.centre_velocity[1])));

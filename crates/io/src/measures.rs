@@ -3,6 +3,7 @@
 use contact::ContactReport;
 use cutcell::InterfacePiece;
 use mesh::{BodyId, Placed, Point, Vector, mean};
+use solid_rigid::modes::{Spin, nearest_spin};
 use solver::interface_dg::InterfaceTraction;
 use solver::{BodyReport, Contact, Setup, StepReport, StepView};
 
@@ -30,6 +31,8 @@ pub(crate) struct BodyMeasures<'a, const D: usize> {
     /// Angle by which the vertices are rotated about their mean in the plane of the first two axes, from -π to π, and
     /// their angular velocity there.
     pub(crate) rotation: [f64; 2],
+    /// Angular velocity of the vertices about their mean.
+    pub(crate) spin: Spin,
     /// Force of the fluid on the body: integral of [`InterfaceTraction::total`], `T^f n + (1 - α) (T^s - T^f) n +
     /// S (u - v)` with `n` out of the body, on the geometry of the step. It is the residual of the discrete equations
     /// of the fluid tested with unit translations.
@@ -70,6 +73,7 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
         let mut measures = Self {
             distance: distance(view, index, bottom)?,
             rotation: rotation(body.reference(), &positions, now.velocity()),
+            spin: nearest_spin(&positions, now.velocity()),
             view,
             step,
             index,

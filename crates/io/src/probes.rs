@@ -85,9 +85,8 @@ impl<const D: usize> Probe<D> {
             }
             Measured::Marker { .. } => axes("", length).chain(axes("velocity_", velocity)).collect(),
             Measured::Force { .. } | Measured::WallForce { .. } => {
-                // A moment has the dimension of an energy.
                 let moments = if D < AXES.len() { &AXES[AXES.len() - 1..] } else { &AXES };
-                let moments = moments.iter().map(|axis| (format!("moment_{axis}"), total(Quantity::ENERGY)));
+                let moments = moments.iter().map(|axis| (format!("moment_{axis}"), units.moment_label(dimension)));
                 axes("", total(Quantity::FORCE)).chain(moments).collect()
             }
             Measured::Flux { .. } => vec![

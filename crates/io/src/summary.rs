@@ -125,8 +125,8 @@ pub struct Summary {
     pub peak_rss_bytes: Option<u64>,
 }
 
-/// Names of the units of a run. In 2D Cartesian coordinates the units of force, energy, power, volume and flow are per
-/// unit depth.
+/// Names of the units of a run. In 2D Cartesian coordinates the units of force, energy, moment, power, volume and
+/// flow are per unit depth.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // each field is the unit of the quantity it names
 pub struct UnitLabels {
@@ -136,6 +136,8 @@ pub struct UnitLabels {
     pub acceleration: String,
     pub force: String,
     pub energy: String,
+    #[serde(default)]
+    pub moment: String,
     pub volume: String,
     /// Volume per time.
     pub flow: String,
@@ -156,6 +158,7 @@ impl UnitLabels {
             acceleration: units.label(Quantity::ACCELERATION),
             force: units.total_label(Quantity::FORCE, dimension),
             energy: units.total_label(Quantity::ENERGY, dimension),
+            moment: units.moment_label(dimension),
             volume: units.label(volume(0)),
             flow: units.label(volume(-1)),
             power: units.total_label(Quantity::POWER, dimension),

@@ -2,7 +2,7 @@
 //!
 //! In 2D there is one rotation, counter-clockwise. In 3D rotation `k` turns about axis `k`, by the right-hand rule.
 
-use mesh::{Tensor, Vector, unit_vector};
+use mesh::{Point, Tensor, Vector, mean, unit_vector};
 
 /// Angular velocity, momentum or torque: one coefficient per rotation; only the first `D(D-1)/2` are used. Units of an
 /// angular velocity: rad/time.
@@ -41,6 +41,21 @@ pub fn spin_velocity<const D: usize>(spin: &Spin, arm: &Vector<D>) -> Vector<D> 
     (0..n_rotations(D)).map(|k| rotation(k, arm) * spin[k]).sum()
 }
 
+/// Returns the spin `ω` of the rotation of points about their mean that is nearest to their motion: the least sum of
+/// squares of `v - v̄ - ω × (x - x̄)`. The points must not lie on a line.
+pub fn nearest_spin<const D: usize>(points: &[Point<D>], velocities: &[Vector<D>]) -> Spin {
+    let (centre, drift) = (mean(points), mean(velocities));
+    let (mut squares, mut swept) = (Tensor::<3>::identity(), Vector::<3>::zeros());
+    for k in 0..n_rotations(D) {
+        let about = |k: usize| points.iter().map(move |x| rotation(k, &(x - centre)));
+        swept[k] = about(k).zip(velocities).map(|(mode, v)| mode.dot(&(v - drift))).sum();
+        for l in 0..n_rotations(D) {
+            squares[(k, l)] = about(k).zip(about(l)).map(|(a, b)| a.dot(&b)).sum();
+        }
+    }
+    squares.try_inverse().map_or([f64::NAN; 3], |inverse| (inverse * swept).into())
+}
+
 /// Returns the rotation by the angles `φ` (an axis with its angle as length in 3D), `exp(φ ×)`.
 ///
 /// Source: Rodrigues' formula `I + sin θ/θ Φ + (1 - cos θ)/θ² Φ²`, which holds in the plane as well.
@@ -58,6 +73,19 @@ pub fn rotated_by<const D: usize>(angles: &Spin) -> Tensor<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_spin_of_a_rigid_motion_is_found() {
+        let omega = [1.3, -0.7, 2.1];
+        let points = [[0.0, 0.1, 0.0], [2.0, 0.0, 0.3], [0.5, 1.0, 0.0], [0.2, 0.4, 3.0]].map(Point::<3>::from);
+        let velocities = points.map(|x| Vector::<3>::new(4.0, 5.0, -6.0) + spin_velocity(&omega, &x));
+        let found = nearest_spin(&points, &velocities);
+        assert!(found.iter().zip(omega).all(|(found, exact)| (found - exact).abs() < 1e-13), "{found:?}");
+        let flat = points.map(|x| Point::<2>::new(x[0], x[1]));
+        let velocities = flat.map(|x| Vector::<2>::new(1.0 - 3.0 * x[1], 3.0 * x[0]));
+        let found = nearest_spin(&flat, &velocities);
+        assert!((found[0] - 3.0).abs() < 1e-13 && found[1..] == [0.0; 2], "{found:?}");
+    }
 
     #[test]
     fn rotations_are_those_of_the_right_hand() {

@@ -7,7 +7,7 @@ use algebra::{Contributions, DofId, Sites, regime_of, worst_tangent_entry};
 use body::{Body, BodyState};
 use contact::obstacle::check_obstacle;
 use contact::{
-    ContactForm, ContactItems, ContactLaw, ContactPair, ContactPoint, ContactSites, ContactTraction,
+    Anchor, ContactForm, ContactItems, ContactLaw, ContactPair, ContactPoint, ContactSites, ContactTraction,
     DeformableObstacle, NitscheLaw, Obstacle, PenaltyLaw, Positions,
 };
 use mesh::generate::{BallOptions, ball, structured_box};
@@ -418,4 +418,41 @@ fn pattern_holds_while_the_projection_moves() {
         assert!(residual(contact, &moved).iter().all(|r| r.is_finite()));
         assert_eq!(before, (0..integral.len()).map(dofs).collect::<Vec<_>>());
     });
+}
+
+/// Checks that points are projected onto the plane of a facet up to a quarter of its height outside of it, where the
+/// shape functions are bounded by the number that the bound of the motion of contact points contains.
+fn points_are_near_a_facet_up_to_a_quarter_of_its_height<const D: usize>() {
+    let mesh = structured_box([0.0; D], [1.0; D], [2; D]).unwrap();
+    let boundary = mesh.boundary();
+    let obstacle = DeformableObstacle::new(boundary.clone(), boundary.facets().collect()).unwrap();
+    let positions = Positions::Fixed(mesh.vertices());
+    let mut largest: f64 = 0.0;
+    for facet in boundary.facets() {
+        let vertices = Placed::new(&boundary, mesh.vertices()).facet_points(facet);
+        let mut near = |barycentric: [f64; D]| {
+            let on_plane: Point<D> = vertices.iter().zip(barycentric).map(|(vertex, share)| vertex * share).sum();
+            let found = obstacle.project_on_plane(facet, &on_plane, positions);
+            let shapes = found.map(|found| match found.anchor {
+                Anchor::Facet { shape, .. } => shape.iter().map(|share| share.abs()).sum(),
+                Anchor::Fixed => f64::INFINITY,
+            });
+            largest = largest.max(shapes.unwrap_or(0.0));
+            shapes.is_some()
+        };
+        for k in 0..D {
+            let outside = |by: f64| std::array::from_fn(|i| if i == k { -by } else { (1.0 + by) / (D - 1) as f64 });
+            assert!(near(outside(0.249)) && !near(outside(0.251)));
+            // Outside of all ridges but one.
+            let at_corner = |by: f64| std::array::from_fn(|i| if i == k { 1.0 + by * (D - 1) as f64 } else { -by });
+            assert!(near(at_corner(0.2499)) && !near(at_corner(0.251)));
+        }
+    }
+    assert!(largest < 2.0 && (D == 2 || largest > 1.99), "{largest}");
+}
+
+#[test]
+fn points_are_near_a_facet_up_to_a_quarter_of_its_height_in_2d_and_3d() {
+    points_are_near_a_facet_up_to_a_quarter_of_its_height::<2>();
+    points_are_near_a_facet_up_to_a_quarter_of_its_height::<3>();
 }

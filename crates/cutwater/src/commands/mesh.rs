@@ -63,7 +63,7 @@ fn lines(found: &MeshStatistics) -> Vec<String> {
         (found.n_open, "sides of the surface have not exactly one neighbour: it is open, or branches"),
         (found.n_turned, "cells had a negative volume; the order of their nodes was reversed"),
         (found.n_inside, "elements of groups lie inside, not on the boundary, and have no effect"),
-        (found.n_ambiguous, "elements are in several groups; the first one is used"),
+        (found.n_ambiguous, "elements are repeated or in several groups; the first one is used"),
     ];
     lines.extend(notes.iter().filter(|(n, _)| *n > 0).map(|(n, note)| format!("note        {n} {note}")));
     if let Some(place) = &found.first_folded {

@@ -371,7 +371,7 @@ fn contact_lines(summary: &Summary) -> Vec<String> {
             "  first contact at {} {time}{between}, {release}; {n} {intervals} of contact of {leading}",
             shown(*begin)
         ),
-        format!("  largest penetration {:.3e} {length}", summary.max_penetration),
+        format!("  largest penetration {:.3e} {length}", summary.max_penetration + 0.0),
     ]
 }
 

@@ -105,6 +105,11 @@ impl<'b> Scan<'b> {
 
     fn parsed<T: std::str::FromStr>(&mut self, expected: &str) -> Result<T, String> {
         let word = self.word()?;
+        if word.starts_with("$End") {
+            return Err(self.fail(format!(
+                "`{word}` ends the section, which has fewer entries than it states; the file is damaged, save the mesh again"
+            )));
+        }
         let short = || word.chars().take(40).collect::<String>();
         word.parse().map_err(|_| self.fail(format!("`{}` is not {expected}", short())))
     }

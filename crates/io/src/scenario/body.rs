@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use mesh::{Aabb, BoundaryMesh, Coordinates, FacetId, Point, SimplexMesh, Vector, VertexId};
-use solid_rigid::RigidBody;
-use solid_rigid::modes::n_rotations;
+use solid_rigid::{RigidBody, Spin};
 use solid_svk::supports::{facets_without_tags, tagged_facets};
 use solid_svk::{
     ElasticBody, ElasticOptions, LameParameters, LinearElastic, Load, Material, NeoHookean, SaintVenantKirchhoff,
@@ -282,7 +281,7 @@ fn check_radii<const D: usize>(
 fn check_guided(
     given: &At<BodyKeys>,
     held: &[At<Held>],
-    initial_spin: Option<&At<f64>>,
+    initial_spin: Option<&At<Spin>>,
     guided: Option<&GuideKeys>,
 ) -> Result<(), ScenarioError> {
     let Some(guided) = guided else { return Ok(()) };
@@ -291,7 +290,7 @@ fn check_guided(
         velocity.is_some_and(|formula| !is_zero(formula))
     };
     let velocity = given.initial_velocity.as_ref().map(|velocity| velocity.at.clone());
-    let other = velocity.or(initial_spin.filter(|spin| ***spin != 0.0).map(|spin| spin.at.clone()));
+    let other = velocity.or(initial_spin.filter(|spin| ***spin != [0.0; 3]).map(|spin| spin.at.clone()));
     if let Some(place) = other {
         let with = "a body that is guided, which begins with the velocity of its guide";
         return Err(place.error(ErrorKind::NoEffect(with)));
@@ -307,7 +306,7 @@ fn check_guided(
 /// hold: along the radius, and rotation.
 fn check_free_axial<const D: usize>(
     given: &At<BodyKeys>,
-    initial_spin: Option<&At<f64>>,
+    initial_spin: Option<&At<Spin>>,
     guided: Option<&GuideKeys>,
     coordinates: Coordinates,
 ) -> Result<(), ScenarioError> {
@@ -315,7 +314,7 @@ fn check_free_axial<const D: usize>(
     let along = given.initial_velocity.as_ref().map(|field| field.at.part(radial));
     let velocity = given.initial_velocity.as_ref().and_then(|field| field.constant::<D>()).zip(along);
     let velocity = velocity.filter(|(value, _)| value[radial] != 0.0).map(|(_, place)| place);
-    let spin = initial_spin.filter(|spin| ***spin != 0.0).map(|spin| spin.at.clone());
+    let spin = initial_spin.filter(|spin| ***spin != [0.0; 3]).map(|spin| spin.at.clone());
     let guide = guided.and_then(|guide| guide.velocity.get(radial)).filter(|formula| !is_zero(formula));
     let found = velocity.or(spin).or_else(|| guide.map(|formula| formula.at.clone()));
     found.map_or(Ok(()), |place| Err(place.invalid(AXIAL)))
@@ -555,7 +554,7 @@ fn free<const D: usize>(
     boundary: BoundaryMesh<D>,
     reference: Vec<Point<D>>,
     held: &[At<Held>],
-    initial_spin: Option<&At<f64>>,
+    initial_spin: Option<&At<Spin>>,
     time: &Time,
 ) -> Result<RigidBody<D>, ScenarioError> {
     let coordinates = boundary.coordinates();
@@ -578,9 +577,7 @@ fn free<const D: usize>(
             axis => *body.held_axes.get_mut(axis as usize).ok_or_else(no_effect)? = true,
         }
     }
-    let spin = initial_spin.map_or(0.0, |spin| **spin);
-    // Rotation in the plane of the first two axes: the only rotation in 2D, the last one in 3D.
-    body.initial_spin[n_rotations(D) - 1] = spin;
+    body.initial_spin = initial_spin.map_or([0.0; 3], |spin| **spin);
     if let Some(velocity) = &given.initial_velocity {
         let value: Vector<D> = velocity.constant().ok_or_else(|| {
             velocity.at.invalid("a rigid body has one velocity at the start; give numbers instead of formulas")
@@ -590,7 +587,7 @@ fn free<const D: usize>(
             return Err(velocity.at.part(axis).error(ErrorKind::NoEffect("an axis that is held")));
         }
     }
-    if let Some(given) = initial_spin.filter(|_| body.holds_rotation && spin != 0.0) {
+    if let Some(given) = initial_spin.filter(|spin| body.holds_rotation && ***spin != [0.0; 3]) {
         return Err(given.at.error(ErrorKind::NoEffect("a rotation that is held")));
     }
     Ok(body)

@@ -197,7 +197,14 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
         let can_meet = |&[a, b]: &[BodyId; 2]| {
             if a == b { self.deforms(a) } else { self.can_move(a) || self.can_move(b) }
         };
-        pairs.filter(can_meet).map(|pair| self.between(given, self.in_order(given, pair))).collect()
+        let pairs: Vec<_> = pairs.filter(can_meet).collect();
+        if pairs.is_empty() {
+            return Err(given.at.invalid(
+                "`pairs = \"all\"` has no pair of bodies of which one can move, and no body that deforms; add a body, or contact with an obstacle by `body` and \
+                 `obstacle`",
+            ));
+        }
+        pairs.into_iter().map(|pair| self.between(given, self.in_order(given, pair))).collect()
     }
 
     fn single_pair(&self, given: &At<ContactKeys>, names: &At<Vec<At<String>>>) -> Result<Contact<D>, ScenarioError> {

@@ -140,6 +140,8 @@ pub enum Form {
     Field(&'static str, &'static Form),
     /// One value for each axis.
     Components(&'static Form),
+    /// Angular velocity: a number, or in space one value for each axis.
+    Spin,
     /// List of values.
     List(&'static Form),
     /// Table whose keys are names, each with a value.
@@ -196,6 +198,7 @@ impl fmt::Display for Form {
             Self::Text => f.write_str("a string"),
             Self::Field(variables, _) => write!(f, "a number or a formula in {variables} or a table of values"),
             Self::Components(of) => write!(f, "a list with {of} for each axis"),
+            Self::Spin => f.write_str("a number, or in space a list with a number for each axis"),
             Self::List(Self::Table(_)) => f.write_str("a table or a list of tables"),
             Self::List(of) => write!(f, "a list; each item is {of}"),
             Self::Named(_) => f.write_str("a table of names"),

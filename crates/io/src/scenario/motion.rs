@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use mesh::{BoundaryMesh, Point, Vector};
-use solid_rigid::Guide;
+use solid_rigid::{Guide, Spin};
 use solver::body::PrescribedBody;
 
 use super::error::{ErrorKind, Location, ScenarioError};
@@ -40,8 +40,8 @@ choices! {
         Free = "free" {
             /// Motions that are held.
             held: Vec<At<Held>>,
-            /// Angular velocity at the start; none if left out.
-            initial_spin: Option<At<f64>> [unit(Quantity::RATE)],
+            /// Angular velocity at the start about the centre of mass, rad per time; a number is that about the third axis.
+            initial_spin: Option<At<Spin>> [unit(Quantity::RATE)],
             /// Given motion until the body is released; free from the start if left out.
             guided: Option<GuideKeys>,
         },
@@ -337,8 +337,8 @@ fn check_turn(at: &Location, angle: impl Fn(f64) -> Dual, time: &Time) -> Result
 }
 
 /// Checks that a free body turns by less than [`LARGEST_TURN`] in the first step.
-pub(super) fn check_spin(spin: &At<f64>, time: &Time) -> Result<(), ScenarioError> {
-    let turn = spin.abs() * *time.step;
+pub(super) fn check_spin(spin: &At<Spin>, time: &Time) -> Result<(), ScenarioError> {
+    let turn = spin.iter().map(|rate| rate * rate).sum::<f64>().sqrt() * *time.step;
     if turn > LARGEST_TURN { Err(spin.at.invalid(too_far(turn, *time.step))) } else { Ok(()) }
 }
 

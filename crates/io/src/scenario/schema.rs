@@ -53,6 +53,9 @@ fn of_form(form: &Form, range: Range) -> Value {
             json!({ "anyOf": [json!({ "type": ["number", "string"] }), of_form(table, Range::Any)] })
         }
         Form::Components(of) => json!({ "type": "array", "items": of_form(of, range), "minItems": 2, "maxItems": 3 }),
+        Form::Spin => {
+            json!({ "anyOf": [of_number("number", range), of_form(&Form::Components(&Form::Number), range)] })
+        }
         Form::List(of) => {
             let item = of_form(of, range);
             let list = json!({ "type": "array", "items": item });

@@ -6,6 +6,8 @@
 use std::ops::Deref;
 use std::path::PathBuf;
 
+use solid_rigid::Spin;
+use solid_rigid::modes::n_rotations;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -335,6 +337,25 @@ impl Components<f64> {
     /// Returns the vector; `D` is the dimension of the scenario.
     pub fn vector<const D: usize>(&self) -> mesh::Vector<D> {
         mesh::Vector::from_fn(|axis, _| self.0[axis])
+    }
+}
+
+impl KeyValue for Spin {
+    const FORM: Form = Form::Spin;
+
+    fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
+        let (mut spin, dimension) = ([0.0; 3], node.document.dimension);
+        match node.items() {
+            Some(_) if n_rotations(dimension) == 1 => {
+                return Err(node.at().invalid("a body in the plane has one angular velocity: give a number"));
+            }
+            Some(_) => spin.copy_from_slice(&Components::<f64>::read(node)?),
+            // That about the third axis, the only one in the plane.
+            None => {
+                spin[n_rotations(dimension) - 1] = number(node.value).ok_or_else(|| node.refuse(&Self::FORM))?;
+            }
+        }
+        Ok(spin)
     }
 }
 

@@ -57,7 +57,18 @@ impl Units {
 
     /// Returns the unit of a force, mass, energy, power or flow of a domain of `dimension`. In 2D it is per unit depth.
     pub fn total_label(&self, quantity: Quantity, dimension: usize) -> String {
-        let label = self.label(quantity);
+        self.per_depth(self.label(quantity), dimension)
+    }
+
+    /// Returns the unit of a moment, which is not that of an energy. In 2D it is per unit depth.
+    pub fn moment_label(&self, dimension: usize) -> String {
+        let (force, length) = (self.label(Quantity::FORCE), self.label(Quantity::LENGTH));
+        let (above, below) = force.split_once('/').unwrap_or((&force, ""));
+        let below: Vec<_> = [below.to_owned()].into_iter().filter(|unit| !unit.is_empty()).collect();
+        self.per_depth(quotient(&format!("{above} {length}"), &below), dimension)
+    }
+
+    fn per_depth(&self, label: String, dimension: usize) -> String {
         if dimension == 3 {
             return label;
         }
@@ -110,5 +121,7 @@ mod tests {
         assert_eq!(cgs.total_label(Quantity::FORCE, 2), "dyn/cm");
         assert_eq!(own.total_label(Quantity::FORCE, 2), "g mm/(ms² mm)");
         assert_eq!(si.total_label(Quantity::ENERGY, 3), "J");
+        assert_eq!([3, 2].map(|dimension| si.moment_label(dimension)), ["N m", "N m/m"]);
+        assert_eq!(own.moment_label(3), "g mm mm/ms²");
     }
 }

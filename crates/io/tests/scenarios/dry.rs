@@ -312,6 +312,41 @@ fn a_guided_body_has_the_motion_of_its_guide() {
 }
 
 #[test]
+fn a_body_in_space_turns_about_the_axis_of_its_initial_spin() {
+    let text = r#"
+name      = "turning"
+dimension = 3
+units     = "si"
+time      = { step = 0.05, end = 0.5 }
+output    = { vtk_every = 0 }
+
+[[body]]
+name    = "cube"
+shape   = { kind = "box", min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0], n = [1, 1, 1] }
+motion  = { kind = "free", initial_spin = [1.0, -2.0, 2.0] }
+density = 6.0
+gravity = [0.0, 0.0, 0.0]
+"#;
+    let directory = fresh_directory("turning");
+    let spin = |text: &str| {
+        results(&legal(text, &[]), &directory);
+        ["spin_x", "spin_y", "spin_z", "energy_kinetic_solid"].map(|name| column(&directory, name))
+    };
+    // A cube turns steadily about any axis; its moment of inertia is `m a²/6 = 1`.
+    for (given, exact) in [("[1.0, -2.0, 2.0]", [1.0, -2.0, 2.0, 4.5]), ("3.0", [0.0, 0.0, 3.0, 4.5])] {
+        for (found, exact) in spin(&text.replace("[1.0, -2.0, 2.0]", given)).iter().zip(exact) {
+            assert!(found.len() == 10 && found.iter().all(|value| (value - exact).abs() < 1e-9), "{found:?}");
+        }
+    }
+    let refuse = |given: &str, words: &[&str]| refused(&text.replace("[1.0, -2.0, 2.0]", given), &[], words);
+    refuse("[1.0, 2.0]", &["body.0.motion.initial_spin", "2 components", "dimension = 3"]);
+    refuse("\"3\"", &["body.0.motion.initial_spin", "a number, or in space a list with a number for each axis"]);
+    refuse("[20, 0, 20]", &["body.0.motion.initial_spin", "turns by 1.41 rad in a step"]);
+    refuse("[0, 1, 0], held = [\"rotation\"]", &["initial_spin", "no effect with a rotation that is held"]);
+    refused(&THIN.replace("\"free\"", "\"free\", initial_spin = [0, 0]"), &[], &["initial_spin", "give a number"]);
+}
+
+#[test]
 fn only_the_body_has_field_files() {
     let directory = fresh_directory("fields-of-dry-block");
     results(&legal(BOUNCING, &[]), &directory);

@@ -248,7 +248,7 @@ boundary = { left = "symmetry" }
     results(&legal(&ball, &[]), &directory);
     let probes = probes(&directory);
     assert!(
-        ["drag_y [N]", "drag_moment_z [J]", "work_energy [J]"]
+        ["drag_y [N]", "drag_moment_z [N m]", "work_energy [J]"]
             .iter()
             .all(|name| probes.names().contains(&(*name).to_owned()))
     );

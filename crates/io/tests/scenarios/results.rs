@@ -18,7 +18,7 @@ lowest_acceleration [cm/s²],centre_y [cm],centre_velocity [cm/s],\
 contact_force [dyn/cm],contact_power [erg/(s cm)],max_penetration [cm],active_points,energy_kinetic_solid [erg/cm],\
 energy_elastic [erg/cm],energy_gravity [erg/cm],\
 centre_x [cm],centre_velocity_x [cm/s],angle [rad],angular_velocity [rad/s],contact_force_x [dyn/cm],force_x [dyn/cm],\
-force_y [dyn/cm],traction_force_x [dyn/cm],traction_force_y [dyn/cm],torque [erg/cm],\
+force_y [dyn/cm],traction_force_x [dyn/cm],traction_force_y [dyn/cm],torque [dyn cm/cm],\
 energy_kinetic_fluid [erg/cm],energy_contact [erg/cm],leak_net [cm²/s],leak_absolute [cm²/s],newton,linear_iterations,\
 factorizations,smallest_fraction,dofs,\
 seconds_cut [s],seconds_space [s],seconds_assembly [s],seconds_linear [s],seconds_output [s]";
