@@ -147,6 +147,24 @@ pub(crate) fn problem_text(file: &ScenarioFile) -> Result<String, Error> {
     Ok(toml::to_string(&table)?)
 }
 
+/// Returns the first key of which two texts of scenarios have different values; an empty text if there is none.
+pub(crate) fn first_difference(before: &str, after: &str) -> String {
+    fn find(before: Option<&toml::Value>, after: Option<&toml::Value>, key: &str) -> Option<String> {
+        let below = |name: &str| if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") };
+        match (before, after) {
+            (Some(toml::Value::Table(before)), Some(toml::Value::Table(after))) => {
+                let names = before.keys().chain(after.keys());
+                names.into_iter().find_map(|name| find(before.get(name), after.get(name), &below(name)))
+            }
+            (Some(toml::Value::Array(before)), Some(toml::Value::Array(after))) => (0..before.len().max(after.len()))
+                .find_map(|item| find(before.get(item), after.get(item), &below(&item.to_string()))),
+            _ => (before != after).then(|| key.to_owned()),
+        }
+    }
+    let [before, after] = [before, after].map(|text| text.parse().ok().map(toml::Value::Table));
+    find(before.as_ref(), after.as_ref(), "").unwrap_or_default()
+}
+
 /// Returns the probes of a scenario, which determine the columns of `probes.csv`.
 ///
 /// # Errors

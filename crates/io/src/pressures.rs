@@ -21,6 +21,14 @@ const LARGEST_LAGGING: f64 = 0.03;
 /// Pressure relative to Young's modulus from which on Saint Venant-Kirchhoff bodies are unreliable.
 const LARGEST_OF_SVK: f64 = 0.3;
 
+/// Pressure in the first step, relative to Young's modulus, from which on one of them is mostly in a wrong unit.
+const IMPLAUSIBLE: f64 = 10.0;
+
+/// Smallest weight of the fluid along a side that is compared with the pressures there, relative to the weight along
+/// the extent of the background; and smallest relative difference that is reported.
+const SMALL_WEIGHT: f64 = 0.05;
+const UNBALANCED: f64 = 0.5;
+
 /// A pressure that acts in fluid at rest: given on a side, or hydrostatic.
 struct Pressure {
     /// The side and the quantity, such as "side top: pressure".
@@ -146,6 +154,8 @@ pub(crate) fn large_pressures<const D: usize>(scenario: &Scenario, case: &Case<D
                     relative,
                     &format!(": with {scheme} it may turn the body, and throw it out; take generalised-alpha"),
                 );
+            } else if at_first >= IMPLAUSIBLE {
+                warn(at_first, " in the first step, which would crush the body: check the units of both");
             } else if at_first >= LARGEST_JUMP {
                 warn(at_first, " in the first step: let it rise over several steps, such as \"1000*min(t/0.1, 1)\"");
             }
@@ -155,4 +165,41 @@ pub(crate) fn large_pressures<const D: usize>(scenario: &Scenario, case: &Case<D
         }
     }
     lines
+}
+
+/// Returns warnings about open sides along which the fluid has a weight that the pressure at the end of the run does
+/// not balance. They are found from the facets of the side that are lowest and highest along the body force.
+pub(crate) fn unbalanced_sides<const D: usize>(setup: &Setup<D>, end: f64) -> Vec<String> {
+    let Some(FluidSetup { background, boundary, body_force: Some(force), .. }) = &setup.fluid else {
+        return Vec::new();
+    };
+    let extent = Aabb::of_points(background.vertices()).extent().max();
+    let of_side = |(tag, condition): &(mesh::Tag, FluidBoundary<D>)| {
+        if !matches!(condition, FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. }) {
+            return None;
+        }
+        let facets = background.facets().filter(|facet| background.facet_tag(*facet) == Some(*tag));
+        let of_facet = |facet| {
+            let points = background.facet_points(facet);
+            let (middle, normal) = (mesh::mean(&points[..D]), facet_normal(&points[..D]));
+            let pressure = condition.traction().map_or(0.0, |traction| -traction(&middle, &normal, end).dot(&normal));
+            (middle, pressure)
+        };
+        let facets: Vec<_> = facets.map(of_facet).collect();
+        let along = force(&facets.first()?.0, end);
+        let by_height = |a: &&(_, f64), b: &&(_, f64)| along.dot(&a.0).total_cmp(&along.dot(&b.0));
+        let (above, below) = (facets.iter().min_by(by_height)?, facets.iter().max_by(by_height)?);
+        let (weight, pressure) = (along.dot(&(below.0 - above.0)), below.1 - above.1);
+        let is_unbalanced = (weight - pressure).abs() > UNBALANCED * weight;
+        (weight > SMALL_WEIGHT * along.norm() * extent && is_unbalanced).then(|| {
+            format!(
+                "warning: side {}: its pressure changes by {:e} along `fluid.body_force`, and that of fluid at rest by {:e}, so that the fluid falls out; give it a \
+                 `pressure` that grows along the force, or leave `body_force` out where nothing floats or sinks",
+                background.tag_names()[tag.index()],
+                rounded(pressure),
+                rounded(weight)
+            )
+        })
+    };
+    boundary.iter().filter_map(of_side).collect()
 }

@@ -10,7 +10,9 @@ use solver::algebra::LinearError;
 use solver::{Observer, ObserverError, State, StepError, StepView, TimeLoop};
 
 use crate::Error;
-use crate::checkpoint::{Checkpoint, Header, checkpoint_steps, keep_last, probes_text, problem_text, remove_all};
+use crate::checkpoint::{
+    Checkpoint, Header, checkpoint_steps, first_difference, keep_last, probes_text, problem_text, remove_all,
+};
 use crate::claim::{Claim, keep_input};
 use crate::files::{create_directory, write_whole};
 use crate::history::{History, TABLES, csv};
@@ -163,8 +165,12 @@ fn last_checkpoint<const D: usize>(
         error => error,
     })?;
     let refused = |problem: String| Err(Error::Checkpoint { path: directory.to_owned(), problem });
-    if header.scenario != problem_text(file)? {
-        return refused("the scenario is not that of the run; only [output] and time.end may change".to_owned());
+    let problem = problem_text(file)?;
+    if header.scenario != problem {
+        let key = first_difference(&header.scenario, &problem);
+        return refused(format!(
+            "the scenario is not that of the run: `{key}` differs, and only [output] and time.end may change"
+        ));
     }
     let stored = ScenarioFile::read(&directory.join("scenario.toml"), &[])?;
     if probes_text(file)? != probes_text(&stored)? {

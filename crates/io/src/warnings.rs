@@ -10,7 +10,7 @@ use solver::body::{Body, BodyState};
 use solver::{Contact, FluidBoundary, Setup, State};
 
 use crate::mesh_file::n_parts;
-use crate::pressures::{large_pressures, pressure_lags};
+use crate::pressures::{large_pressures, pressure_lags, unbalanced_sides};
 use crate::scenario::{
     BodyCondition, BodyKeys, Case, Choose as _, Quantity, Scenario, TimeSchemeChoice, parabolas_at_symmetry, rounded,
     rounded_down,
@@ -39,6 +39,7 @@ pub(crate) fn warnings<const D: usize>(scenario: &Scenario, case: &Case<D>, stat
     lines.extend(parabolas(scenario, setup));
     lines.extend(turning(setup, state.time, &positions, &length));
     lines.extend(large_pressures(scenario, case));
+    lines.extend(unbalanced_sides(setup, scenario.time.end));
     lines.extend(case.probes.warnings.iter().cloned());
     let deforms = setup.bodies.iter().any(|body| body.deforms());
     let can_turn = !case.half_domain && !scenario.is_axisymmetric();

@@ -65,6 +65,8 @@ pub(crate) struct RunProperties {
     pub(crate) has_contacts: bool,
     /// Whether steps have neither inertia nor a fluid.
     pub(crate) is_static: bool,
+    /// Whether bodies touch without an offset.
+    pub(crate) has_sharp_edges: bool,
 }
 
 /// Cause of the failure of a command.
@@ -164,8 +166,14 @@ fn advice(step: &solver::StepError, properties: RunProperties) -> String {
         solver::Error::Newton(newton) => newton,
         solver::Error::Multipliers { contact, .. } => {
             return format!(
-                "\n  the parameter is `law.gamma_contact_0`, the tolerance `law.tolerance`, of contact {contact}, from 0"
+                "\n  the parameter is `law.gamma_contact_0`, the tolerance `law.tolerance`, of contact {contact}, from 0{}",
+                at_edges(properties)
             );
+        }
+        solver::Error::Cut(cutcell::Error::Inward { .. }) => {
+            return "\n  in this step the body collapsed or turned inside out: take shorter steps, a pressure that rises over several steps, or a stiffer \
+                    material; `cutwater check` compares pressures with the stiffness"
+                .to_owned();
         }
         _ => return String::new(),
     };
@@ -189,6 +197,7 @@ fn advice(step: &solver::StepError, properties: RunProperties) -> String {
     }
     let report = newton.report();
     text += stagnation(&report.residual_history, properties.has_contacts);
+    text += at_edges(properties);
     if !report.residual_history.is_empty() {
         text += "\n  iteration   relative residual   relative correction";
     }
@@ -199,6 +208,16 @@ fn advice(step: &solver::StepError, properties: RunProperties) -> String {
         let _ = write!(text, "\n  {k:9}   {residual:17.3e}   {correction:>19}");
     }
     text
+}
+
+/// Returns the advice for bodies that touch without an offset.
+fn at_edges(properties: RunProperties) -> &'static str {
+    if properties.has_sharp_edges {
+        "\n  if edges or corners touch, give contact between bodies an `offset` of a tenth of its `size`: with an offset of zero a point behind an edge \
+         may be pushed out through either side"
+    } else {
+        ""
+    }
 }
 
 /// Returns the advice if the residuals no longer fall.

@@ -73,17 +73,19 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
             }
             let scenario = file.scenario();
             let is_static = scenario.fluid.is_none() && *scenario.time.scheme == TimeSchemeChoice::QuasiStatic;
-            let failure = Failure::Run {
-                error,
-                properties: RunProperties { has_contacts: !scenario.contact.is_empty(), is_static },
-            };
+            let has_sharp_edges =
+                scenario.contact.iter().any(|contact| contact.is_between_bodies() && contact.offset == 0.0);
+            let has_contacts = !scenario.contact.is_empty();
+            let failure =
+                Failure::Run { error, properties: RunProperties { has_contacts, is_static, has_sharp_edges } };
             console.log(&failure.explain());
             Err(failure)
         }
     }
 }
 
-/// Returns a flag that an interrupt from the terminal sets. A second interrupt ends the program at once.
+/// Returns a flag that an interrupt from the terminal sets, or a request to terminate, as that of a batch system. A
+/// second one ends the program at once.
 fn stop_by_signal() -> &'static AtomicBool {
     static STOP: AtomicBool = AtomicBool::new(false);
     let stop = || {
@@ -310,14 +312,19 @@ fn warnings(summary: &Summary) -> Vec<String> {
     lines
 }
 
-/// Returns a warning if surfaces overlap by more than a contact size.
+/// Returns a warning if surfaces overlap by more than a contact size, or are pressed into each other by more than it.
 fn overlap(summary: &Summary) -> Option<String> {
     let (gap, sides) = summary.smallest_gap.as_ref()?;
-    let size = summary.max_penetration / summary.max_penetration_over_s?;
-    (*gap < -size).then(|| {
+    let relative = summary.max_penetration_over_s?;
+    let size = summary.max_penetration / relative;
+    let cause = "the step is too long, or the contact too soft; reduce the step, and raise the parameter of the law if it has one";
+    if *gap < -size {
+        return Some(format!("warning: {sides} overlap by {:.1} contact sizes: {cause}", -gap / size));
+    }
+    let leading = summary.leading.as_deref().unwrap_or_default();
+    (relative > 1.0).then(|| {
         format!(
-            "warning: {sides} overlap by {:.1} contact sizes: the step is too long, or the contact too soft; reduce the step, and raise the parameter of the law if it has one",
-            -gap / size
+            "warning: body {leading} came {relative:.1} contact sizes closer to its obstacle than the offset: {cause}"
         )
     })
 }
@@ -419,18 +426,19 @@ mod tests {
 
     #[test]
     fn a_soft_contact_is_a_warning() {
-        let summary = |gap: f64| Summary {
+        let summary = |gap: f64, relative: f64| Summary {
             smallest_gap: Some((gap, "ball and block".to_owned())),
-            max_penetration: 0.5,
-            max_penetration_over_s: Some(5.0),
+            leading: Some("ball".to_owned()),
+            max_penetration: 0.1 * relative,
+            max_penetration_over_s: Some(relative),
             ..Summary::default()
         };
-        let found = overlap(&summary(-0.3)).unwrap();
+        let found = overlap(&summary(-0.3, 5.0)).unwrap();
         assert!(found.contains("ball and block overlap by 3.0 contact sizes"), "{found}");
-        assert_eq!(
-            [overlap(&summary(-0.09)), overlap(&summary(0.3)), overlap(&Summary::default())],
-            [None, None, None]
-        );
+        // Within the offset, but farther than the parameter of the law should allow.
+        let found = overlap(&summary(-0.09, 1.2)).unwrap();
+        assert!(found.contains("body ball came 1.2 contact sizes closer to its obstacle than the offset"), "{found}");
+        assert_eq!([overlap(&summary(-0.09, 0.9)), overlap(&Summary::default())], [None, None]);
     }
 
     #[test]

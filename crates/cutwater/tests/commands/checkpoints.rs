@@ -162,26 +162,32 @@ fn kills(seed: u64, most_kills: usize, length: Duration, expected: &BTreeMap<Str
 
 #[test]
 fn an_interrupted_run_goes_on_and_is_not_overwritten() {
-    let stopped = directory("stopped");
-    // Without regular checkpoints.
-    let sets = ["--set", "time.end=10", "--set", "output.checkpoint_every=0"];
-    let mut run = command(&stopped, false, &sets).spawn().expect("the binary starts");
-    while !stopped.join("history.csv").exists() && run.try_wait().expect("a status").is_none() {
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    let signal = Command::new("kill").args(["-INT", &run.id().to_string()]).status().expect("the command kill");
-    assert!(signal.success());
-    let Output { status, stderr, .. } = run.wait_with_output().expect("an end");
-    let printed = String::from_utf8_lossy(&stderr);
-    assert_eq!(status.code(), Some(130), "{printed}");
-    assert!(printed.contains("stopped after step") && printed.contains("--resume"), "{printed}");
-    assert!(stopped.join("report.html").exists());
+    let stop = |signal: &str| {
+        let stopped = directory(&format!("stopped{signal}"));
+        // Without regular checkpoints.
+        let sets = ["--set", "time.end=10", "--set", "output.checkpoint_every=0"];
+        let mut run = command(&stopped, false, &sets).spawn().expect("the binary starts");
+        while !stopped.join("history.csv").exists() && run.try_wait().expect("a status").is_none() {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        let sent = Command::new("kill").args([signal, &run.id().to_string()]).status().expect("the command kill");
+        assert!(sent.success());
+        let Output { status, stderr, .. } = run.wait_with_output().expect("an end");
+        let printed = String::from_utf8_lossy(&stderr);
+        assert_eq!(status.code(), Some(130), "{printed}");
+        assert!(printed.contains("stopped after step") && printed.contains("--resume"), "{printed}");
+        assert!(stopped.join("report.html").exists());
+        stopped
+    };
+    // A batch system sends the signal to terminate.
+    stop("-TERM");
+    let stopped = stop("-INT");
     let steps = || std::fs::read_to_string(stopped.join("history.csv")).expect("a history").lines().count() - 1;
     let before = steps();
     assert!(finish(command(&stopped, false, &[]), 2).contains("holds a run that was stopped"));
     assert_eq!(steps(), before);
     let other = finish(command(&stopped, true, &["--set", "fluid.viscosity=0.5"]), 2);
-    assert!(other.contains("the scenario is not that of the run"), "{other}");
+    assert!(other.contains("the scenario is not that of the run: `fluid.viscosity` differs"), "{other}");
     let end = format!("time.end={}", 1e-3 * (before + 5) as f64);
     finish(command(&stopped, true, &["--set", &end]), 0);
     assert_eq!(steps(), before + 5);

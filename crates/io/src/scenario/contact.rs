@@ -41,6 +41,14 @@ keys! {
     }
 }
 
+impl ContactKeys {
+    /// Returns whether the obstacle is a body.
+    pub fn is_between_bodies(&self) -> bool {
+        let of_body = |obstacle: &ObstacleChoice| matches!(obstacle, ObstacleChoice::Body { .. });
+        self.pairs.is_some() || self.pair.is_some() || self.obstacle.as_deref().is_some_and(of_body)
+    }
+}
+
 choices! {
     /// Pairs of bodies.
     pub enum Pairs {

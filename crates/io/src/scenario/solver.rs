@@ -35,7 +35,8 @@ keys! {
         /// Largest motion of the bodies of a contact in a substep, relative to the gap between them; nodes that do not
         /// move have none.
         fraction: f64 [between(0.001, 1.0)] = 0.06,
-        /// Smallest length of a substep; not below 1e-12 of the time, which round-off would lose.
+        /// Smallest length to which gaps shorten a substep; not below 1e-12 of the time, which round-off would lose. A substep
+        /// that fails is halved beyond it.
         smallest: At<f64> [unit(Quantity::TIME), positive],
     }
 }

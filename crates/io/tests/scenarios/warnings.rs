@@ -295,6 +295,9 @@ fn pressures_of_sides_are_compared_with_the_stiffness_of_bodies() {
     assert!(lines(DISKS, &[]).contains(&hydrostatic.to_owned()), "{:#?}", lines(DISKS, &[]));
     let soft = DISKS.replace("mu = 4.0e5, lambda = 1.6e6", "mu = 4.0e3, lambda = 1.6e4");
     assert!(warning(&soft, &[]).contains("hydrostatic pressure of `fluid.body_force` is 0.8929 of Young's modulus"));
+    let softer = DISKS.replace("mu = 4.0e5, lambda = 1.6e6", "mu = 4.0e2, lambda = 1.6e3");
+    let found = lines(&softer, &[&top("6e5")]);
+    assert!(found.iter().any(|line| line.contains("would crush the body: check the units of both")), "{found:#?}");
     // Without a traction or a body force that is not zero there is no line.
     let weightless = DISKS.replace("[0.0, -10000.0]", "[0.0, 0.0]");
     assert!(!lines(&weightless, &[]).iter().any(|line| line.contains("pressure")));
@@ -330,4 +333,20 @@ fn bodies_without_contact_that_overlap_at_the_end_are_reported() {
     let contact =
         "[contact]\npairs = \"all\"\nsize = 0.02\noffset = 0.01\nlaw = { kind = \"penalty\", gamma_contact_0 = 1e7 }\n";
     assert_eq!(overlapping(contact), [""; 0]);
+}
+
+#[test]
+fn the_weight_of_the_fluid_along_an_open_side_needs_a_pressure() {
+    let left = |condition: &str| format!("background.boundary.left={condition}");
+    for condition in ["free", "parallel", "{ kind = \"pressure\", value = \"2e3*(1 - y)\" }"] {
+        let found = warning(DISKS, &[&left(condition)]);
+        assert!(
+            found.contains("side left: its pressure changes by") && found.contains("the fluid falls out"),
+            "{found}"
+        );
+    }
+    for balanced in [r#"{ kind = "pressure", value = "1e4*(1 - y)" }"#, "no-slip"] {
+        let found = lines(DISKS, &[&left(balanced)]);
+        assert!(!found.iter().any(|line| line.contains("falls out")), "{found:#?}");
+    }
 }

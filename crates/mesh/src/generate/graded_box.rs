@@ -103,8 +103,14 @@ fn bricks<const D: usize>(min: [f64; D], max: [f64; D], size: &Size, most: f64) 
             .min(most)
         })?;
     }
-    affordable(axes.iter().map(|nodes| 6.0 * nodes.len() as f64).product())?;
+    affordable(brick_cells(&axes))?;
     brick_mesh(axes)
+}
+
+/// Returns the number of cells of a mesh of bricks, given the nodes along each axis.
+fn brick_cells<const D: usize>(axes: &[Vec<f64>; D]) -> f64 {
+    let in_brick: usize = (1..=D).product();
+    axes.iter().map(|nodes| (nodes.len() - 1) as f64).product::<f64>() * in_brick as f64
 }
 
 /// Generates triangles with edges of mean length `h`.
@@ -158,6 +164,15 @@ pub fn expected_cells_where<const D: usize>(
 mod tests {
     use super::*;
     use crate::generate::RegionShape;
+
+    #[test]
+    fn cells_of_bricks_are_counted() {
+        let [x, y, z] = [3, 5, 6].map(|n: u32| (0..n).map(f64::from).collect::<Vec<_>>());
+        let plane = [x.clone(), y.clone()];
+        assert_eq!(brick_cells(&plane), brick_mesh(plane).unwrap().n_cells() as f64);
+        let space = [x, y, z];
+        assert_eq!(brick_cells(&space), brick_mesh(space).unwrap().n_cells() as f64);
+    }
 
     #[test]
     fn the_number_of_cells_is_estimated() {
