@@ -15,7 +15,7 @@ Exit codes:
   0    done
   1    a step failed, a file could not be written, or runs differ by more than a tolerance
   2    the input or the arguments cannot be used; the message states file, line, key and remedy
-  130  a run was stopped by Ctrl-C, with a checkpoint";
+  130  a run was stopped by Ctrl-C or SIGTERM, with a checkpoint";
 
 /// Elastic bodies moving, deforming and colliding inside an incompressible fluid.
 #[derive(Parser)]

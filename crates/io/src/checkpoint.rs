@@ -13,7 +13,7 @@ use crate::vtk::series::Entry;
 /// First bytes of a file.
 const MAGIC: &[u8; 8] = b"CUTWATER";
 /// Version of the format. A file of another version is an error.
-const FORMAT: u32 = 9;
+const FORMAT: u32 = 10;
 /// Bytes before the header: magic, version and length of the header.
 const BEFORE_HEADER: usize = 8 + 4 + 8;
 /// Bytes of the checksum at the end.
@@ -241,6 +241,17 @@ mod tests {
         let bytes = read(&directory.join("checkpoint-00000012.bin")).expect("the file");
         std::fs::remove_dir_all(directory).expect("the directory");
         bytes
+    }
+
+    #[test]
+    fn the_first_difference_of_two_scenarios_is_found() {
+        let text = "name = \"a\"\n[[body]]\nshape = { min = [0, 1] }\n[time]\nstep = 0.1\n";
+        let differs = |from: &str, to: &str| first_difference(text, &text.replace(from, to));
+        assert_eq!(differs("1]", "2]"), "body.0.shape.min.1");
+        assert_eq!(differs("0.1", "0.2"), "time.step");
+        assert_eq!(differs("step = 0.1", ""), "time.step");
+        assert_eq!(differs("[time]", "density = 1\n[time]"), "body.0.density");
+        assert_eq!(differs("", ""), "");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Pressures of open sides and hydrostatic pressures, compared with the stiffness of elastic bodies.
 
-use mesh::{Aabb, facet_normal};
+use mesh::{Aabb, Point, Vector, facet_normal};
 use solver::{FluidBoundary, FluidSetup, Setup};
 
 use crate::scenario::{Case, Choose as _, MaterialChoice, Quantity, Scenario, rounded};
@@ -21,12 +21,16 @@ const LARGEST_LAGGING: f64 = 0.03;
 /// Pressure relative to Young's modulus from which on Saint Venant-Kirchhoff bodies are unreliable.
 const LARGEST_OF_SVK: f64 = 0.3;
 
-/// Pressure in the first step, relative to Young's modulus, from which on one of them is mostly in a wrong unit.
+/// Pressure relative to Young's modulus from which on one of them is mostly in a wrong unit.
 const IMPLAUSIBLE: f64 = 10.0;
 
-/// Smallest weight of the fluid along a side that is compared with the pressures there, relative to the weight along
-/// the extent of the background; and smallest relative difference that is reported.
-const SMALL_WEIGHT: f64 = 0.05;
+/// Number of times at which the body force on the fluid is compared, for the largest one.
+const FORCE_TIMES: usize = 20;
+
+/// Largest component of the body force across a side that counts as along it, relative to the force.
+const ACROSS: f64 = 0.1;
+
+/// Smallest relative difference of given pressures from the weight of the fluid that is reported.
 const UNBALANCED: f64 = 0.5;
 
 /// A pressure that acts in fluid at rest: given on a side, or hydrostatic.
@@ -148,14 +152,17 @@ pub(crate) fn large_pressures<const D: usize>(scenario: &Scenario, case: &Case<D
             let of_side =
                 format!("warning: the {} is {{}} of Young's modulus of body {}", pressure.subject, *body.name);
             let mut warn = |fraction: f64, text: &str| lines.push(of_side.replace("{}", &fraction.to_string()) + text);
-            if pressure_lags(&case.setup) && relative >= LARGEST_LAGGING {
+            if relative >= IMPLAUSIBLE {
+                warn(
+                    relative,
+                    ", which crushes most bodies: check the units of both; if they are right, let it rise over several steps",
+                );
+            } else if pressure_lags(&case.setup) && relative >= LARGEST_LAGGING {
                 let scheme = scenario.time.scheme.word();
                 warn(
                     relative,
                     &format!(": with {scheme} it may turn the body, and throw it out; take generalised-alpha"),
                 );
-            } else if at_first >= IMPLAUSIBLE {
-                warn(at_first, " in the first step, which would crush the body: check the units of both");
             } else if at_first >= LARGEST_JUMP {
                 warn(at_first, " in the first step: let it rise over several steps, such as \"1000*min(t/0.1, 1)\"");
             }
@@ -167,36 +174,39 @@ pub(crate) fn large_pressures<const D: usize>(scenario: &Scenario, case: &Case<D
     lines
 }
 
-/// Returns warnings about open sides along which the fluid has a weight that the pressure at the end of the run does
-/// not balance. They are found from the facets of the side that are lowest and highest along the body force.
-pub(crate) fn unbalanced_sides<const D: usize>(setup: &Setup<D>, end: f64) -> Vec<String> {
+/// Returns warnings about open sides along the body force of the fluid, such as upright ones under gravity, whose
+/// pressure differs from that of fluid at rest. Their highest and lowest facets along the force are compared, at the
+/// time of the largest force; a force that is linear in space is exact.
+pub(crate) fn unbalanced_sides<const D: usize>(scenario: &Scenario, setup: &Setup<D>) -> Vec<String> {
     let Some(FluidSetup { background, boundary, body_force: Some(force), .. }) = &setup.fluid else {
         return Vec::new();
     };
-    let extent = Aabb::of_points(background.vertices()).extent().max();
+    let unit = scenario.units.label(Quantity::PRESSURE);
     let of_side = |(tag, condition): &(mesh::Tag, FluidBoundary<D>)| {
-        if !matches!(condition, FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. }) {
-            return None;
-        }
         let facets = background.facets().filter(|facet| background.facet_tag(*facet) == Some(*tag));
-        let of_facet = |facet| {
+        let place = |facet| {
             let points = background.facet_points(facet);
-            let (middle, normal) = (mesh::mean(&points[..D]), facet_normal(&points[..D]));
-            let pressure = condition.traction().map_or(0.0, |traction| -traction(&middle, &normal, end).dot(&normal));
-            (middle, pressure)
+            (mesh::mean(&points[..D]), facet_normal(&points[..D]))
         };
-        let facets: Vec<_> = facets.map(of_facet).collect();
-        let along = force(&facets.first()?.0, end);
-        let by_height = |a: &&(_, f64), b: &&(_, f64)| along.dot(&a.0).total_cmp(&along.dot(&b.0));
-        let (above, below) = (facets.iter().min_by(by_height)?, facets.iter().max_by(by_height)?);
-        let (weight, pressure) = (along.dot(&(below.0 - above.0)), below.1 - above.1);
-        let is_unbalanced = (weight - pressure).abs() > UNBALANCED * weight;
-        (weight > SMALL_WEIGHT * along.norm() * extent && is_unbalanced).then(|| {
+        let places: Vec<_> = facets.filter(|_| condition.is_open()).map(place).collect();
+        let mean = |time: f64| places.iter().map(|(x, _)| force(x, time)).sum::<Vector<D>>() / places.len() as f64;
+        let times = (0..=FORCE_TIMES).map(|k| scenario.time.end * k as f64 / FORCE_TIMES as f64);
+        let time = times.max_by(|a, b| mean(*a).norm().total_cmp(&mean(*b).norm()))?;
+        let along = mean(time);
+        let is_along = |(_, normal): &(_, Vector<D>)| along.dot(normal).abs() <= ACROSS * along.norm();
+        let by_height = |a: &&(Point<D>, _), b: &&(Point<D>, _)| along.dot(&a.0).total_cmp(&along.dot(&b.0));
+        let ends = [places.iter().min_by(by_height)?, places.iter().max_by(by_height)?];
+        let [above, below] =
+            ends.map(|(x, normal)| condition.traction().map_or(0.0, |traction| -traction(x, normal, time).dot(normal)));
+        let [high, low] = ends.map(|(x, _)| x);
+        let weight = 0.5 * (force(high, time) + force(low, time)).dot(&(low - high));
+        let is_unbalanced = (below - above - weight).abs() > UNBALANCED * weight;
+        (weight > 0.0 && is_unbalanced && places.iter().all(is_along)).then(|| {
             format!(
-                "warning: side {}: its pressure changes by {:e} along `fluid.body_force`, and that of fluid at rest by {:e}, so that the fluid falls out; give it a \
-                 `pressure` that grows along the force, or leave `body_force` out where nothing floats or sinks",
+                "warning: along side {} the pressure changes by {:e} {unit} in the direction of `fluid.body_force`, and that of fluid at rest by {:e} {unit}: the \
+                 fluid flows in or out there; give the side a `pressure` that grows with the depth, or leave `body_force` out where nothing floats or sinks",
                 background.tag_names()[tag.index()],
-                rounded(pressure),
+                rounded(below - above),
                 rounded(weight)
             )
         })

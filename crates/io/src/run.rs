@@ -169,7 +169,7 @@ fn last_checkpoint<const D: usize>(
     if header.scenario != problem {
         let key = first_difference(&header.scenario, &problem);
         return refused(format!(
-            "the scenario is not that of the run: `{key}` differs, and only [output] and time.end may change"
+            "the scenario is not that of the run: `{key}` or the file that it names differs, and only [output] and time.end may change"
         ));
     }
     let stored = ScenarioFile::read(&directory.join("scenario.toml"), &[])?;

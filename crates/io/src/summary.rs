@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use contact::ContactPoint;
 use mesh::BodyId;
 use serde::{Deserialize, Serialize};
 use solver::{Contact, Setup, StepReport, StepView};
@@ -64,6 +65,9 @@ pub struct Summary {
     /// Smallest gap of all contacts, and its two sides; not written if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub smallest_gap: Option<(f64, String)>,
+    /// Largest penetration over the contact size of all contacts with a penalty, and the two sides of its contact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deepest_penalty: Option<(f64, String)>,
     /// Largest penetration `[ε - Δ]₊`.
     pub max_penetration: f64,
     /// `max_penetration` divided by the contact size of the first contact with the body as slave.
@@ -302,6 +306,12 @@ impl SummaryBuilder {
             let least = self.summary.smallest_gap.as_ref().map_or(f64::INFINITY, |(least, _)| *least);
             if let Some(gap) = found.minimum_gap.filter(|gap| *gap < least) {
                 self.summary.smallest_gap = Some((gap, sides(view.setup, contact)));
+            }
+            let form = contact.form();
+            let depth = found.largest_penetration / form.size();
+            let most = self.summary.deepest_penalty.as_ref().map_or(0.0, |(most, _)| *most);
+            if depth > most && form.law.energy_density(&ContactPoint::default()).is_some() {
+                self.summary.deepest_penalty = Some((depth, sides(view.setup, contact)));
             }
         }
         if let Some(leading) = leading_body(view.setup) {

@@ -39,7 +39,7 @@ pub(crate) fn warnings<const D: usize>(scenario: &Scenario, case: &Case<D>, stat
     lines.extend(parabolas(scenario, setup));
     lines.extend(turning(setup, state.time, &positions, &length));
     lines.extend(large_pressures(scenario, case));
-    lines.extend(unbalanced_sides(setup, scenario.time.end));
+    lines.extend(unbalanced_sides(scenario, setup));
     lines.extend(case.probes.warnings.iter().cloned());
     let deforms = setup.bodies.iter().any(|body| body.deforms());
     let can_turn = !case.half_domain && !scenario.is_axisymmetric();

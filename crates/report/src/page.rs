@@ -172,7 +172,7 @@ fn histories(results: &Results, marks: &[(String, f64)]) -> Result<String, Error
         chart("position of the centre, x", &units.length, "centre_x")?,
         chart("force of the fluid, x", &units.force, "force_x")?,
         chart(&format!("force of the fluid, {vertical}"), &units.force, &format!("force_{vertical}"))?,
-        chart("torque of the fluid", &units.energy, torque)?,
+        chart("torque of the fluid", if units.moment.is_empty() { &units.energy } else { &units.moment }, torque)?,
         chart("angle", "rad", "angle")?,
     ]))
 }

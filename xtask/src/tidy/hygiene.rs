@@ -11,12 +11,12 @@ const COMMENT_WIDTH: usize = 120;
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 385),
-    (&["crates/io/src"], 13_890),
+    (&["crates/io/src"], 13_920),
     (&["crates/report/src"], 1590),
     (&["crates/solver/src"], 3_800),
     (&["validation"], 14_220),
     (&["xtask/src"], 2420),
-    (&[""], 87_100),
+    (&[""], 87_170),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

@@ -55,6 +55,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("base64", &["crates/report/src/frames.rs"]),
     ("clap", &["crates/cutwater/src/main.rs", "crates/cutwater/src/commands", "validation/src", "xtask/src"]),
     ("ctrlc", &["crates/cutwater/src/commands/run.rs"]),
+    ("signal-hook", &["crates/cutwater/src/commands/run.rs"]),
     ("crc32fast", &["crates/io/src/checkpoint.rs"]),
     ("indicatif", &["crates/cutwater/src", "validation/src"]),
     ("criterion", TESTS_ONLY),

@@ -65,8 +65,8 @@ pub(crate) struct RunProperties {
     pub(crate) has_contacts: bool,
     /// Whether steps have neither inertia nor a fluid.
     pub(crate) is_static: bool,
-    /// Whether bodies touch without an offset.
-    pub(crate) has_sharp_edges: bool,
+    /// Whether a contact between bodies has an offset of zero.
+    pub(crate) touches_without_offset: bool,
 }
 
 /// Cause of the failure of a command.
@@ -160,6 +160,10 @@ fn chain(error: &dyn std::error::Error) -> String {
     text
 }
 
+/// Advice for a body that encloses a negative volume in a step.
+const COLLAPSED: &str = "\n  not the mesh is wrong: in this step the body collapsed, or its given motion turned it inside out. Take shorter steps, a load that rises over several \
+                         steps, or a stiffer material; `cutwater check` compares pressures with the stiffness";
+
 /// Returns the keys of the scenario that may help, and the history of residuals if Newton's method failed.
 fn advice(step: &solver::StepError, properties: RunProperties) -> String {
     let newton = match &step.source {
@@ -170,10 +174,8 @@ fn advice(step: &solver::StepError, properties: RunProperties) -> String {
                 at_edges(properties)
             );
         }
-        solver::Error::Cut(cutcell::Error::Inward { .. }) => {
-            return "\n  in this step the body collapsed or turned inside out: take shorter steps, a pressure that rises over several steps, or a stiffer \
-                    material; `cutwater check` compares pressures with the stiffness"
-                .to_owned();
+        solver::Error::Cut(cutcell::Error::Inward { .. } | cutcell::Error::InwardPart { .. }) => {
+            return COLLAPSED.to_owned();
         }
         _ => return String::new(),
     };
@@ -212,7 +214,7 @@ fn advice(step: &solver::StepError, properties: RunProperties) -> String {
 
 /// Returns the advice for bodies that touch without an offset.
 fn at_edges(properties: RunProperties) -> &'static str {
-    if properties.has_sharp_edges {
+    if properties.touches_without_offset {
         "\n  if edges or corners touch, give contact between bodies an `offset` of a tenth of its `size`: with an offset of zero a point behind an edge \
          may be pushed out through either side"
     } else {
@@ -243,7 +245,15 @@ fn stagnates(residuals: &[f64]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{stagnates, stagnation};
+    use super::{RunProperties, at_edges, stagnates, stagnation};
+
+    #[test]
+    fn edges_need_an_offset() {
+        let advice = |touches_without_offset| {
+            at_edges(RunProperties { has_contacts: true, is_static: false, touches_without_offset })
+        };
+        assert!(advice(true).contains("a tenth of its `size`") && advice(false).is_empty());
+    }
 
     #[test]
     fn residuals_stagnate_at_one_value_or_between_two() {

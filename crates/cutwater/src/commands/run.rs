@@ -73,11 +73,11 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
             }
             let scenario = file.scenario();
             let is_static = scenario.fluid.is_none() && *scenario.time.scheme == TimeSchemeChoice::QuasiStatic;
-            let has_sharp_edges =
+            let touches_without_offset =
                 scenario.contact.iter().any(|contact| contact.is_between_bodies() && contact.offset == 0.0);
             let has_contacts = !scenario.contact.is_empty();
             let failure =
-                Failure::Run { error, properties: RunProperties { has_contacts, is_static, has_sharp_edges } };
+                Failure::Run { error, properties: RunProperties { has_contacts, is_static, touches_without_offset } };
             console.log(&failure.explain());
             Err(failure)
         }
@@ -92,10 +92,14 @@ fn stop_by_signal() -> &'static AtomicBool {
         if STOP.swap(true, Ordering::Relaxed) {
             std::process::exit(INTERRUPTED.into());
         }
-        warn("stopping after this step; Ctrl-C again to quit now");
+        warn("stopping after this step; the signal again (Ctrl-C) quits now");
     };
-    // Without a handler, an interrupt ends the program at once.
+    // Without a handler, a signal ends the program at once.
     let _ = ctrlc::set_handler(stop);
+    #[cfg(unix)]
+    if let Ok(mut terminations) = signal_hook::iterator::Signals::new([signal_hook::consts::SIGTERM]) {
+        std::thread::spawn(move || terminations.forever().for_each(|_| stop()));
+    }
     &STOP
 }
 
@@ -267,7 +271,7 @@ fn print_summary(summary: &Summary, directory: &str, print_line: &mut dyn FnMut(
 
 /// Returns the warnings about the results of a run.
 fn warnings(summary: &Summary) -> Vec<String> {
-    let mut lines: Vec<String> = overlap(summary).into_iter().collect();
+    let mut lines: Vec<String> = overlap(summary).or_else(|| soft_penalty(summary)).into_iter().collect();
     let overlapping = summary.overlapping.iter();
     lines.extend(overlapping.map(|pair| {
         format!("warning: at the end {pair}: bodies touch only by contact; define one, such as `pairs = \"all\"`")
@@ -312,21 +316,25 @@ fn warnings(summary: &Summary) -> Vec<String> {
     lines
 }
 
-/// Returns a warning if surfaces overlap by more than a contact size, or are pressed into each other by more than it.
+/// Returns a warning if surfaces overlap by more than a contact size.
 fn overlap(summary: &Summary) -> Option<String> {
     let (gap, sides) = summary.smallest_gap.as_ref()?;
-    let relative = summary.max_penetration_over_s?;
-    let size = summary.max_penetration / relative;
-    let cause = "the step is too long, or the contact too soft; reduce the step, and raise the parameter of the law if it has one";
-    if *gap < -size {
-        return Some(format!("warning: {sides} overlap by {:.1} contact sizes: {cause}", -gap / size));
-    }
-    let leading = summary.leading.as_deref().unwrap_or_default();
-    (relative > 1.0).then(|| {
+    let size = summary.max_penetration / summary.max_penetration_over_s?;
+    (*gap < -size).then(|| {
         format!(
-            "warning: body {leading} came {relative:.1} contact sizes closer to its obstacle than the offset: {cause}"
+            "warning: {sides} overlap by {:.1} contact sizes: the step is too long, or the contact too soft; reduce the step, and raise the parameter of the law if it has one",
+            -gap / size
         )
     })
+}
+
+/// Returns a warning if a penalty lets surfaces come closer than the offset by more than the contact size.
+fn soft_penalty(summary: &Summary) -> Option<String> {
+    let (depth, sides) = summary.deepest_penalty.as_ref().filter(|(depth, _)| *depth > 1.0)?;
+    Some(format!(
+        "warning: {sides} came closer than the offset by {depth:.1} contact sizes: the contact is too soft, the step too long, or they began there; raise \
+         `gamma_contact_0`, or reduce the step"
+    ))
 }
 
 /// Energy that steps generate, or lose in contact, relative to the energies of the run, above which the summary warns.
@@ -426,19 +434,23 @@ mod tests {
 
     #[test]
     fn a_soft_contact_is_a_warning() {
-        let summary = |gap: f64, relative: f64| Summary {
+        let summary = |gap: f64| Summary {
             smallest_gap: Some((gap, "ball and block".to_owned())),
-            leading: Some("ball".to_owned()),
-            max_penetration: 0.1 * relative,
-            max_penetration_over_s: Some(relative),
+            max_penetration: 0.5,
+            max_penetration_over_s: Some(5.0),
             ..Summary::default()
         };
-        let found = overlap(&summary(-0.3, 5.0)).unwrap();
+        let found = overlap(&summary(-0.3)).unwrap();
         assert!(found.contains("ball and block overlap by 3.0 contact sizes"), "{found}");
-        // Within the offset, but farther than the parameter of the law should allow.
-        let found = overlap(&summary(-0.09, 1.2)).unwrap();
-        assert!(found.contains("body ball came 1.2 contact sizes closer to its obstacle than the offset"), "{found}");
-        assert_eq!([overlap(&summary(-0.09, 0.9)), overlap(&Summary::default())], [None, None]);
+        assert_eq!(
+            [overlap(&summary(-0.09)), overlap(&summary(0.3)), overlap(&Summary::default())],
+            [None, None, None]
+        );
+        let within =
+            |depth: f64| Summary { deepest_penalty: Some((depth, "ball and block".to_owned())), ..Summary::default() };
+        let found = warnings(&within(1.2)).concat();
+        assert!(found.contains("ball and block came closer than the offset by 1.2 contact sizes"), "{found}");
+        assert!(warnings(&within(0.9)).is_empty());
     }
 
     #[test]

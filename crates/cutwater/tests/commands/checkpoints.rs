@@ -187,7 +187,7 @@ fn an_interrupted_run_goes_on_and_is_not_overwritten() {
     assert!(finish(command(&stopped, false, &[]), 2).contains("holds a run that was stopped"));
     assert_eq!(steps(), before);
     let other = finish(command(&stopped, true, &["--set", "fluid.viscosity=0.5"]), 2);
-    assert!(other.contains("the scenario is not that of the run: `fluid.viscosity` differs"), "{other}");
+    assert!(other.contains("the scenario is not that of the run: `fluid.viscosity` or the file"), "{other}");
     let end = format!("time.end={}", 1e-3 * (before + 5) as f64);
     finish(command(&stopped, true, &["--set", &end]), 0);
     assert_eq!(steps(), before + 5);

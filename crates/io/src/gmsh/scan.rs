@@ -105,12 +105,13 @@ impl<'b> Scan<'b> {
 
     fn parsed<T: std::str::FromStr>(&mut self, expected: &str) -> Result<T, String> {
         let word = self.word()?;
+        let short = || word.chars().take(40).collect::<String>();
         if word.starts_with("$End") {
             return Err(self.fail(format!(
-                "`{word}` ends the section, which has fewer entries than it states; the file is damaged, save the mesh again"
+                "`{}` is found within the entries of the section; the file is damaged, save the mesh again",
+                short()
             )));
         }
-        let short = || word.chars().take(40).collect::<String>();
         word.parse().map_err(|_| self.fail(format!("`{}` is not {expected}", short())))
     }
 

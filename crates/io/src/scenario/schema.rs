@@ -54,7 +54,8 @@ fn of_form(form: &Form, range: Range) -> Value {
         }
         Form::Components(of) => json!({ "type": "array", "items": of_form(of, range), "minItems": 2, "maxItems": 3 }),
         Form::Spin => {
-            json!({ "anyOf": [of_number("number", range), of_form(&Form::Components(&Form::Number), range)] })
+            let rate = of_number("number", range);
+            json!({ "anyOf": [rate, json!({ "type": "array", "items": rate, "minItems": 3, "maxItems": 3 })] })
         }
         Form::List(of) => {
             let item = of_form(of, range);

@@ -350,7 +350,7 @@ impl KeyValue for Spin {
                 return Err(node.at().invalid("a body in the plane has one angular velocity: give a number"));
             }
             Some(_) => spin.copy_from_slice(&Components::<f64>::read(node)?),
-            // That about the third axis, the only one in the plane.
+            // A number is the rate about the third axis, the only one in the plane.
             None => {
                 spin[n_rotations(dimension) - 1] = number(node.value).ok_or_else(|| node.refuse(&Self::FORM))?;
             }

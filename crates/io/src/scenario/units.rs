@@ -60,12 +60,12 @@ impl Units {
         self.per_depth(self.label(quantity), dimension)
     }
 
-    /// Returns the unit of a moment, which is not that of an energy. In 2D it is per unit depth.
+    /// Returns the unit of a moment. Where energies have a name of their own it is another one. In 2D it is per unit
+    /// depth.
     pub fn moment_label(&self, dimension: usize) -> String {
-        let (force, length) = (self.label(Quantity::FORCE), self.label(Quantity::LENGTH));
-        let (above, below) = force.split_once('/').unwrap_or((&force, ""));
-        let below: Vec<_> = [below.to_owned()].into_iter().filter(|unit| !unit.is_empty()).collect();
-        self.per_depth(quotient(&format!("{above} {length}"), &below), dimension)
+        let [force, length, energy] = [Quantity::FORCE, Quantity::LENGTH, Quantity::ENERGY].map(|of| self.label(of));
+        let is_named = matches!(self, Self::Plain(System::Cgs | System::Si));
+        self.per_depth(if is_named { format!("{force} {length}") } else { energy }, dimension)
     }
 
     fn per_depth(&self, label: String, dimension: usize) -> String {
@@ -122,6 +122,6 @@ mod tests {
         assert_eq!(own.total_label(Quantity::FORCE, 2), "g mm/(ms² mm)");
         assert_eq!(si.total_label(Quantity::ENERGY, 3), "J");
         assert_eq!([3, 2].map(|dimension| si.moment_label(dimension)), ["N m", "N m/m"]);
-        assert_eq!(own.moment_label(3), "g mm mm/ms²");
+        assert_eq!(own.moment_label(3), "g mm²/ms²");
     }
 }
